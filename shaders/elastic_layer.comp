@@ -16,7 +16,7 @@
 // Out: contact_normal (num_instances x num_taxels), N; contact_shear (num_instances x num_taxels x 2), N; contact_depth (num_instances x num_taxels), m;
 //      tile_results (num_instances); loads (num_instances); features of the solution; with OUTPUT_JACOBIAN taxel_jacobian (num_instances x 6 x num_taxels), N/m
 //      and N/rad, and wrench_jacobian (num_instances x 6 x 6).
-// State: pressures, from which the next frame starts; with relaxation strain and overstresses of every node; with friction their shear traction.
+// State: pressures, from which the next frame starts; with relaxation strain and overstresses of every node, with area sampling also compliances of dents; with friction their shear traction.
 // Shared memory: 16 LANES + 12 NODE_ROWS + 16 bytes; with friction 8 LANES + 512 bytes more.
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
 // Mutable globals: any_unfinished_loop (driver/loop_limit.glsl).
@@ -60,6 +60,7 @@ const bool kManyMotions = kKeepsSlots;
 #include "elastic_layer/relaxation.glsl"
 #include "elastic_layer/shear.glsl"
 #include "elastic_layer/outputs.glsl"
+#include "elastic_layer/cell_rates.glsl"
 #include "elastic_layer/jacobian.glsl"
 
 void solveInstance(uint instance, uint num_instances, uint num_slots) {
@@ -86,6 +87,7 @@ void solveInstance(uint instance, uint num_instances, uint num_slots) {
   float limit = by_load ? -(1.0 + REACH) : RELAXATION > 0 ? -REACH : -REACH * max(deepest, 0.0);
   setTargets(surface, no_surface ? kMiss : limit, window);
   if (RELAXATION > 0) {
+    setCompliances(surface, window);
     float lowered = lowerTargetsByDents(skin, window);
     if (!by_load) limitTargets((surface.reached.w + kStrip - 1u) / kStrip, -REACH * max(max(lowered, deepest), 0.0), window);
     deepest = lowered;
@@ -95,7 +97,7 @@ void solveInstance(uint instance, uint num_instances, uint num_slots) {
   bool idle = no_surface || (by_load ? load <= 0.0 || too_deep : deepest <= 0.0);
   if (idle) setWindow(window, uvec2(0), 0);
   clearPressures(window, is_first);
-  setCompliances(surface, window);
+  if (RELAXATION == 0) setCompliances(surface, window);
 
   const float kMaxPressureSum = 1e6 * float(NODE_ROWS * NODE_COLS);  // more than any skin carries; keeps the sums finite
   Drive drive = Drive(deepest, by_load, min(load / node_force, kMaxPressureSum));

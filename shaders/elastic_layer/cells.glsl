@@ -14,6 +14,7 @@
 
 const float kPi = 3.14159265358979;
 const uint kLayerCompliance = kLayerArrays - 1u;  // array of compliance - 1
+const uint kLayerDentCompliance = kLayerArrays - 2u;  // the same of a dent, of a skin that relaxes
 const float kLeastCompliance = 0.5;               // of a node, for layers much thinner than a cell
 
 struct NodeCell {

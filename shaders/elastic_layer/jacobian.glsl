@@ -5,6 +5,9 @@
 // leave contact carry no force at that moment. The object's surface lies at z = -d(x, y) of P; its point p = (x, y, -d) moves with u = v + w x p, so that d
 // changes by -u_z - u_x d_x - u_y d_y. For a skin that relaxes these are the instantaneous changes.
 //
+// With area sampling A changes with what is covered of the cells, so that A dp = dd - dA p (elastic_layer/cell_rates.glsl), and d is the depth at the place of
+// what is covered, which moves.
+//
 // kLayerTarget holds the changes of pressure dp, kLayerResidual the residual dd - A dp; the solver no longer needs either.
 
 const uint kMaxJacobianIterations = 48;  // of conjugate gradients; a few thousand nodes in contact take half as many
@@ -18,21 +21,37 @@ float knownHeight(Surface surface, uvec2 node) {
   return inside ? heightAt(surface, node) : kMiss;
 }
 
+// Distance between a node and the next one along an axis, of the places of what is covered, m.
+float distanceBetween(Surface surface, uvec2 node, uvec2 next, uint axis) {
+  const float kClosest = 0.25;  // spacings
+  float spacing = nodeSpacing()[axis];
+  if (!AREA || !isReached(surface, node) || !isReached(surface, next)) return spacing;
+  return max(spacing + cellAt(surface, next).place[axis] - cellAt(surface, node).place[axis], kClosest * spacing);
+}
+
 // Slope of depth along rows (axis 0) or columns (axis 1): the mean of the one-sided differences, without walls.
 float slopeOfDepth(Surface surface, uvec2 node, uint axis) {
-  float spacing = nodeSpacing()[axis], height = knownHeight(surface, node);
+  float height = knownHeight(surface, node);
   uvec2 next = axis == 0 ? uvec2(1, 0) : uvec2(0, 1);
-  float from = (knownHeight(surface, node - next) - height) / spacing, to = (height - knownHeight(surface, node + next)) / spacing;
+  float from = (knownHeight(surface, node - next) - height) / distanceBetween(surface, node - next, node, axis);
+  float to = (height - knownHeight(surface, node + next)) / distanceBetween(surface, node, node + next, axis);
   vec2 known = vec2(abs(from) < kWallSlope ? 1.0 : 0.0, abs(to) < kWallSlope ? 1.0 : 0.0);
   if (known.x + known.y == 0.0) return 0.0;
   return ((known.x > 0.0 ? from : 0.0) + (known.y > 0.0 ? to : 0.0)) / (known.x + known.y);
 }
 
 // Rate of the overlap at a node as the object moves by v and w, in P, thicknesses per m or rad; 0 beyond the skin's thickness.
-float overlapRate(Surface surface, uvec2 node, float shift, vec3 v, vec3 w) {
+float overlapRate(Surface surface, Window window, uvec2 node, float shift, vec3 v, vec3 w) {
   float d = overlapAt(surface, node) + shift;
   if (d >= 1.0) return 0.0;
-  vec3 u = v + cross(w, vec3(nodePosition(node), -d * THICKNESS));
+  vec2 place = vec2(0), of_place = vec2(0);
+  if (AREA) {
+    NodeCell cell = cellAt(surface, node);
+    place = cell.place;
+    of_place = cell.edge * storedRate(window, node).place;
+  }
+  vec3 u = v + cross(w, vec3(nodePosition(node) + place, -d * THICKNESS));
+  u.xy -= of_place;
   return -(u.z + u.x * slopeOfDepth(surface, node, 0) + u.y * slopeOfDepth(surface, node, 1)) / THICKNESS;
 }
 
@@ -49,7 +68,61 @@ void addPressedSources(Window window) {
   workgroupBarrierWithBuffers();
 }
 
-// Starts at dp = 0: residual and direction are the rates of overlap over the nodes in contact. Returns the squared residual.
+// Stores the rates of the cells of a strip for storedRate(). Returns the sum over the nodes of pressure times the velocity of its place.
+vec2 storeCellRates(Surface surface, Window window, uvec2 at, float shift, vec3 v, vec3 w) {
+  Strip covered = strip(0.0), x = strip(0.0), y = strip(0.0);
+  vec2 moved = vec2(0);
+  for (uint c = 0; c < kStrip; ++c) {
+    uvec2 node = uvec2(at.x, at.y * kStrip + c);
+    if (!isReached(surface, node)) continue;
+    CellRate rate = cellRate(surface, node, (overlapAt(surface, node) + shift) * THICKNESS, v, w);
+    moved += valueAt(window.layer_start, kLayerPressure, node) * cellAt(surface, node).edge * rate.place;
+    if (c < 4) {
+      covered.low[c] = rate.covered;
+      x.low[c] = rate.place.x;
+      y.low[c] = rate.place.y;
+    } else {
+      covered.high[c - 4] = rate.covered;
+      x.high[c - 4] = rate.place.x;
+      y.high[c - 4] = rate.place.y;
+    }
+  }
+  writeStrip(window, kCoveredRate, at, covered);
+  writeStrip(window, kPlaceRateX, at, x);
+  writeStrip(window, kPlaceRateY, at, y);
+  return moved;
+}
+
+// Stores the rates of all cells of the window; returns the sum of pressure times the velocity of its place.
+vec2 storeCellRates(Surface surface, Window window, float shift, vec3 v, vec3 w) {
+  for (uint part = gl_LocalInvocationIndex; part < window.num_parts; part += WORKGROUP) {
+    vec2 moved = vec2(0);
+    uint k = part;
+    for (; k < window.num_strips; k += LANES) moved += storeCellRates(surface, window, stripAt(window, k), shift, v, w);
+    checkLoop(k < window.num_strips);
+    partial[part] = vec4(moved, 0, 0);
+  }
+  return sumOfPartials(window.num_parts).xy;
+}
+
+// The pressure at a node that a change of its compliance acts on: with the part of the dent that has the compliance of what is covered now. Between a dent of
+// a larger part and one of a smaller part there is a kink, at which half of the dent is taken.
+float pressureAt(Window window, uvec2 node) {
+  float pressure = valueAt(window.layer_start, kLayerPressure, node);
+  if (RELAXATION == 0) return pressure;
+  const float kNear = 0.01;  // of the compliance
+  float now = valueAt(window.layer_start, kLayerCompliance, node), then = valueAt(window.layer_start, kLayerDentCompliance, node);
+  float part = now == 0.0 || now * then < 0.0 ? 0.0 : clamp(0.5 + (abs(then) / abs(now) - 1.0) / (2.0 * kNear), 0.0, 1.0);
+  return mix(pressure, valueAt(window.layer_start, kLayerStrain, node), part);
+}
+
+// Rate of d - A p at a node in contact, with p held fixed.
+float residualRate(Surface surface, Window window, uvec2 node, float shift, vec3 v, vec3 w) {
+  float rate = overlapRate(surface, window, node, shift, v, w);
+  return AREA ? rate - complianceRate(surface, window, node) * pressureAt(window, node) : rate;
+}
+
+// Starts at dp = 0: the residual is the rate of the overlap over the nodes in contact. Returns the squared residual.
 float beginRates(Surface surface, Window window, float shift, vec3 v, vec3 w) {
   for (uint part = gl_LocalInvocationIndex; part < window.num_parts; part += WORKGROUP) {
     float squares = 0.0;
@@ -59,18 +132,25 @@ float beginRates(Surface surface, Window window, float shift, vec3 v, vec3 w) {
       Strip pressed = pressedOver(window, at), rate = strip(0.0);
       for (uint c = 0; c < kStrip; ++c) {
         bool touches = (c < 4 ? pressed.low[c] : pressed.high[c - 4]) > 0.0;
-        float value = touches ? overlapRate(surface, uvec2(at.x, at.y * kStrip + c), shift, v, w) : 0.0;
+        float value = touches ? residualRate(surface, window, uvec2(at.x, at.y * kStrip + c), shift, v, w) : 0.0;
         if (c < 4) rate.low[c] = value; else rate.high[c - 4] = value;
       }
-      writeStrip(window, kLayerTarget, at, strip(0.0));
       writeStrip(window, kLayerResidual, at, rate);
-      writeStrip(window, kLayerDirection, at, rate);
-      squares += dotOf(rate, rate);
+      squares += dotOf(rate, weighted(window, at, rate));
     }
     checkLoop(k < window.num_strips);
     partial[part] = vec4(squares, 0, 0, 0);
   }
-  return sumOfPartials(window.num_parts).x;
+  float squares = sumOfPartials(window.num_parts).x;
+  uint k = gl_LocalInvocationIndex;
+  for (; k < window.num_strips; k += WORKGROUP) {
+    uvec2 at = stripAt(window, k);
+    writeStrip(window, kLayerTarget, at, strip(0.0));
+    writeStrip(window, kLayerDirection, at, weighted(window, at, readStrip(window, kLayerResidual, at)));
+  }
+  checkLoop(k < window.num_strips);
+  workgroupBarrierWithBuffers();
+  return squares;
 }
 
 // Applies A to the direction over the nodes in contact; returns the curvature along it.
@@ -102,7 +182,7 @@ float stepRates(Window window, float squared_residual) {
       Strip residual = minus(readStrip(window, kLayerResidual, at), scaled(readStrip(window, kLayerProduct, at), step_length));
       writeStrip(window, kLayerTarget, at, sumOf(readStrip(window, kLayerTarget, at), scaled(readStrip(window, kLayerDirection, at), step_length)));
       writeStrip(window, kLayerResidual, at, residual);
-      squares += dotOf(residual, residual);
+      squares += dotOf(residual, weighted(window, at, residual));
     }
     checkLoop(k < window.num_strips);
     partial[part] = vec4(squares, 0, 0, 0);
@@ -111,7 +191,8 @@ float stepRates(Window window, float squared_residual) {
   uint k = gl_LocalInvocationIndex;
   for (; k < window.num_strips; k += WORKGROUP) {
     uvec2 at = stripAt(window, k);
-    Strip direction = sumOf(readStrip(window, kLayerResidual, at), scaled(readStrip(window, kLayerDirection, at), squares / squared_residual));
+    Strip residual = weighted(window, at, readStrip(window, kLayerResidual, at));
+    Strip direction = sumOf(residual, scaled(readStrip(window, kLayerDirection, at), squares / squared_residual));
     writeStrip(window, kLayerDirection, at, direction);
   }
   checkLoop(k < window.num_strips);
@@ -119,8 +200,9 @@ float stepRates(Window window, float squared_residual) {
   return squares;
 }
 
-// Writes the wrench's derivative by coordinate `c` of the sensor's twist. `origin`: of P in S, m.
-void writeWrenchJacobian(uint instance, Window window, uint c, mat3 R_SP, vec3 origin, float node_force) {
+// Writes the wrench's derivative by coordinate `c` of the sensor's twist. `moved`: the sum of pressure times the velocity of its place, m per unit. `origin`:
+// of P in S, m.
+void writeWrenchJacobian(uint instance, Surface surface, Window window, uint c, vec2 moved, mat3 R_SP, vec3 origin, float node_force) {
   for (uint part = gl_LocalInvocationIndex; part < window.num_parts; part += WORKGROUP) {
     vec3 sums = vec3(0);  // changes of pressure, these times x and y of P
     uint k = part;
@@ -129,11 +211,15 @@ void writeWrenchJacobian(uint instance, Window window, uint c, mat3 R_SP, vec3 o
       Strip change = readStrip(window, kLayerTarget, at);
       float x = nodePosition(uvec2(at.x, at.y * kStrip)).x;
       sums += vec3(sumOf(change), sumOf(change) * x, dotOf(change, columnPositions(at)));
+      if (AREA) {
+        StripCells cells = cellsOver(surface, at);
+        sums.yz += vec2(dotOf(change, cells.x), dotOf(change, cells.y));
+      }
     }
     checkLoop(k < window.num_strips);
     partial[part] = vec4(sums, 0);
   }
-  vec4 sums = sumOfPartials(window.num_parts) * node_force;
+  vec4 sums = (sumOfPartials(window.num_parts) + vec4(0, moved, 0)) * node_force;
   if (gl_LocalInvocationIndex != 0) return;
   vec3 force = R_SP * vec3(0, 0, -sums.x), torque = R_SP * vec3(-sums.z, sums.y, 0) + cross(origin, force);
   for (uint axis = 0; axis < 3; ++axis) {
@@ -172,13 +258,17 @@ void writeJacobian(uint instance, Surface surface, Window window, float shift, f
     } else {
       w[c - 3] = -1.0;
     }
-    float first = beginRates(surface, window, shift, R_PS * (v + cross(w, origin)), R_PS * w);
+    v = R_PS * (v + cross(w, origin));
+    w = R_PS * w;
+    vec2 moved = vec2(0);
+    if (AREA) moved = storeCellRates(surface, window, shift, v, w);
+    float first = beginRates(surface, window, shift, v, w);
     float squared_residual = first;
     for (uint n = 0; n < kMaxJacobianIterations && squared_residual > kJacobianTolerance * first; ++n) {
       squared_residual = stepRates(window, squared_residual);
     }
     workgroupBarrierWithBuffers();
-    writeWrenchJacobian(instance, window, c, transpose(R_PS), origin, node_force);
+    writeWrenchJacobian(instance, surface, window, c, moved, transpose(R_PS), origin, node_force);
     writeTaxelJacobian(instance, window, c, node_force);
     workgroupBarrierWithBuffers();
   }

@@ -6,7 +6,7 @@
 const uint kStripPairs = kStrip / 2;
 const uint kRowStrips = (NODE_COLS + kStrip - 1) / kStrip;
 const uint kArrayPairs = NODE_ROWS * kRowStrips * kStripPairs;
-const uint kLayerArrays = kNumLayerArrays + (RELAXATION > 0 ? 1 + RELAXATION : 0) + (AREA ? 1 : 0);
+const uint kLayerArrays = kNumLayerArrays + (RELAXATION > 0 ? 1 + RELAXATION : 0) + (AREA ? RELAXATION > 0 ? 2 : 1 : 0);
 
 struct Strip {
   vec4 low, high;

@@ -14,7 +14,7 @@ void sumBlocks(uint instance) {
   for (; i < num_listed_blocks; i += WORKGROUP) {
     uint block = block_list[i];
     PatchRecord patch_record = patches[foundation_blocks[block].near.z];
-    precise vec3 sums = vec3(0);
+    vec3 sums = vec3(0);
     float depth = 0.0, deep = 0.0;
     bool is_near = (block_flags[block] & kIsNear) != 0;
     for (uint k = 0; k < kNodesPerBlock; ++k) {
@@ -38,7 +38,7 @@ void sumBlocks(uint instance) {
 void writeTaxels(uint instance) {
   uint taxel = gl_LocalInvocationIndex;
   for (; taxel < NUM_TAXELS; taxel += WORKGROUP) {
-    precise float force = 0.0, depth = 0.0;
+    float force = 0.0, depth = 0.0;
     for (uint k = 0; k < BLOCKS_PER_TAXEL; ++k) {
       uint block = taxel * BLOCKS_PER_TAXEL + k;
       if ((block_flags[block] & kIsActive) == 0) continue;

@@ -14,7 +14,7 @@ struct Equation {
 // `own`: overlap and displacement of the node.
 Equation equationOf(uint instance, uint node, vec2 own) {
   uvec4 record = fourOf(FoundationNodes, node);
-  precise float tension = 0.0, diagonal = uintBitsToFloat(record.z);
+  float tension = 0.0, diagonal = uintBitsToFloat(record.z);
   float whole = uintBitsToFloat(record.z);
   for (uint i = 0; i < NUM_FOURS; ++i) {
     if (NUM_FOURS > 1 && i >= record.w >> kNodeLinksShift) break;
@@ -54,7 +54,7 @@ void sweepColor(uint instance, uint color) {
     vec2 own = pairAt(pairAddress(instance, node));
     Equation equation = equationOf(instance, node, own);
     float relaxation = AREA ? relaxationOf(vec4(equation.diagonal), equation.whole).x : OVER_RELAXATION;
-    precise float free = own.y - relaxation * (equation.tension + equation.spring * own.y) / equation.diagonal;
+    float free = own.y - relaxation * (equation.tension + equation.spring * own.y) / equation.diagonal;
     writePair(pairAddress(instance, node), vec2(own.x, max(free, max(own.x, 0.0))));
   }
   checkLoop(k < total);
@@ -73,7 +73,7 @@ void solveContact(uint instance) {
     uint node = listedNode(k).y;
     vec2 own = pairAt(pairAddress(instance, node));
     Equation equation = equationOf(instance, node, own);
-    precise float reaction = equation.tension + equation.spring * own.y;
+    float reaction = equation.tension + equation.spring * own.y;
     writePair(forceAddress(instance, node), vec2(own.y <= own.x ? max(reaction, 0.0) : 0.0, 0));
   }
   checkLoop(k < total);

@@ -129,21 +129,21 @@ struct Equation {
 
 Equation evenEquation(Column column, Column left, Column right, Links to_left, Links to_right) {
   vec4 up = previous(column.odd_even), down = column.even_odd;
-  precise vec4 pull = up * previous(column.odd) + down * column.odd + to_left.even * left.even + to_right.even * right.even;
-  precise vec4 diagonal = SPRING + up + down + to_left.even + to_right.even;
+  vec4 pull = up * previous(column.odd) + down * column.odd + to_left.even * left.even + to_right.even * right.even;
+  vec4 diagonal = SPRING + up + down + to_left.even + to_right.even;
   return Equation(pull, diagonal);
 }
 
 Equation oddEquation(Column column, Column left, Column right, Links to_left, Links to_right) {
   vec4 up = column.even_odd, down = column.odd_even;
-  precise vec4 pull = up * column.even + down * next(column.even) + to_left.odd * left.odd + to_right.odd * right.odd;
-  precise vec4 diagonal = SPRING + up + down + to_left.odd + to_right.odd;
+  vec4 pull = up * column.even + down * next(column.even) + to_left.odd * left.odd + to_right.odd * right.odd;
+  vec4 diagonal = SPRING + up + down + to_left.odd + to_right.odd;
   return Equation(pull, diagonal);
 }
 
 vec4 relaxed(vec4 w, vec4 overlap, vec4 alive, Equation equation) {
   vec4 relaxation = AREA ? relaxationOf(equation.diagonal, SPRING + 2.0 * (LINK_X + LINK_Y)) : vec4(OVER_RELAXATION);
-  precise vec4 free = w + relaxation * (equation.pull / equation.diagonal - w);
+  vec4 free = w + relaxation * (equation.pull / equation.diagonal - w);
   return alive * max(free, max(overlap, 0.0));
 }
 
@@ -205,7 +205,7 @@ void sweepBlock(uint instance, uint source, uint destination, uint number) {
 vec4 forcesOn(Column column, Column left, Column right, Links to_left, Links to_right) {
   Equation even = evenEquation(column, left, right, to_left, to_right), odd = oddEquation(column, left, right, to_left, to_right);
   vec4 w = ownRows(column.even, column.odd);
-  precise vec4 reaction = ownRows(even.diagonal, odd.diagonal) * w - ownRows(even.pull, odd.pull);
+  vec4 reaction = ownRows(even.diagonal, odd.diagonal) * w - ownRows(even.pull, odd.pull);
   return mix(vec4(0), max(reaction, 0.0), lessThanEqual(w, ownRows(column.even_overlap, column.odd_overlap)));
 }
 
@@ -220,7 +220,7 @@ struct BlockSums {
 void addForces(inout BlockSums sums, vec4 force, vec4 overlap, uvec2 corner, uint col, uint address) {
   vec2 place = nodePosition(vec2(corner) + vec2(0, col));
   vec4 x = place.x + vec4(0, 1, 2, 3) * nodeSpacing().x;
-  precise float total = dot(force, vec4(1)), moment = dot(force, x);
+  float total = dot(force, vec4(1)), moment = dot(force, x);
   sums.total += vec4(total, moment, total * place.y, dot(vec4(greaterThanEqual(overlap, vec4(AREA ? kFullDepth * THICKNESS : THICKNESS))), vec4(1)));
   sums.of_taxel += force;
   uint node = corner.y + col;

@@ -92,14 +92,21 @@ int taxelAt(const Sensor& sensor, const LayerNodes& nodes, int u, int v) {
 
 // Residual deformation of a relaxing skin at the end of a step without contact.
 struct ResidualDent {
-  double gain = 1;             // SkinStep::gain
-  std::vector<double> strain;  // (nodes), Pa: recovered strain
-  std::vector<double> depth;   // (nodes), m: displacement A strain
+  double gain = 1;                 // SkinStep::gain
+  std::vector<double> strain;      // (nodes), Pa: recovered strain
+  std::vector<double> depth;       // (nodes), m: displacement A strain, of whole cells
+  std::vector<double> compliance;  // (nodes), m/Pa: SkinStep::compliance; empty without strain
 };
+
+// Compliance of a dent at node n to what is covered now.
+double dentCompliance(const ResidualDent& dent, const LayerCells& cells, std::size_t n) {
+  if (dent.compliance.empty()) return 0;
+  return std::clamp(dent.compliance[n], std::min(cells.compliance[n], 0.0), std::max(cells.compliance[n], 0.0));
+}
 
 ResidualDent residualDent(const Layer& layer, const SkinStep& skin) {
   const auto size = static_cast<std::size_t>(layer.nodes.num_rows * layer.nodes.num_cols);
-  ResidualDent dent{skin.gain, {}, std::vector<double>(size, 0)};
+  ResidualDent dent{skin.gain, {}, std::vector<double>(size, 0), skin.compliance};
   NodeSubset all_nodes{layer, {}, {}};
   for (std::size_t n = 0; n < size; ++n) {
     dent.strain.push_back(skin.recoveredStrain(n));
@@ -118,13 +125,17 @@ LayerContact solveContact(const Sensor& sensor, const Layer& layer, std::span<co
   std::vector<double> elastic_overlap;  // m: overlap with the dented surface
   for (std::size_t n = 0; n < heights.size(); ++n) {
     contact.overlap.push_back(std::min(-heights[n], thickness));
-    elastic_overlap.push_back(contact.overlap[n] - dent.depth[n]);
+    elastic_overlap.push_back(contact.overlap[n] - dent.depth[n] - dentCompliance(dent, cells, n) * dent.strain[n]);
   }
   contact.cells = cells;
   contact.solution = solveLayer(layer, elastic_overlap, 1e-10, cells.compliance);
   for (std::size_t n = 0; n < heights.size(); ++n) {
     double& pressure = contact.solution.pressure[n];
     contact.strain.push_back(dent.strain[n] + pressure);
+    if (!cells.compliance.empty()) {
+      const double then = dent.compliance.empty() ? 0 : dent.compliance[n], now = cells.compliance[n];
+      contact.dent_compliance.push_back(pressure > 0 ? (dent.strain[n] * then + pressure * now) / contact.strain[n] : then);
+    }
     pressure *= dent.gain;
   }
   sumForces(sensor, nodes, contact);
@@ -213,6 +224,7 @@ std::vector<double> pressureRates(const Layer& layer, const LayerContact& contac
     if (pressure[n] <= 0) continue;
     problem.node.push_back({static_cast<int>(n) / layer.nodes.num_cols, static_cast<int>(n) % layer.nodes.num_cols});
     problem.d.push_back(overlap_rates[n]);
+    if (!contact.cells.compliance.empty()) problem.compliance.push_back(contact.cells.compliance[n]);
     index.push_back(n);
   }
   // Conjugate gradients for A x = d, from x = 0.
@@ -331,7 +343,9 @@ LayerContact loadedLayerContact(const Sensor& sensor, std::span<const PlacedObje
   const std::vector<double> heights = heightsOfCells(cells, layerHeights(sensor, layer.nodes, objects));
   double bottom = std::numeric_limits<double>::infinity();
   const double lowest = *std::min_element(heights.begin(), heights.end());
-  for (std::size_t n = 0; n < heights.size(); ++n) bottom = std::min(bottom, heights[n] - lowest + dent.depth[n]);
+  for (std::size_t n = 0; n < heights.size(); ++n) {
+    bottom = std::min(bottom, heights[n] - lowest + dent.depth[n] + dentCompliance(dent, cells, n) * dent.strain[n]);
+  }
   return searchDepth(heights, bottom, sensor.skin.thickness, load,
                      [&](std::span<const double> moved) { return solveContact(sensor, layer, moved, dent, cells); });
 }

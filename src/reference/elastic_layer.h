@@ -58,6 +58,7 @@ double totalForce(const Layer& layer, std::span<const double> pressure);
 struct LayerContact {
   LayerSolution solution;                // relaxing skin: residual and iterations are those of the problem with residual strains
   std::vector<double> strain;            // (nodes), Pa: strain measure of a relaxing skin, see relaxation.h
+  std::vector<double> dent_compliance;   // (nodes), m/Pa: of the strain on its own node, less that of a whole cell; of cells
   std::vector<double> overlap;           // (nodes), m: d, at most the thickness
   LayerCells cells;                      // with DepthSampling::kArea
   std::vector<double> taxel_force;       // (num_taxels), N
@@ -80,7 +81,7 @@ void sumForces(const Sensor& sensor, const LayerNodes& nodes, LayerContact& cont
 LayerContact searchDepth(std::span<const double> heights, double first_touch, double thickness, double load,
                          const std::function<LayerContact(std::span<const double>)>& contactAt);
 
-// Linearisation of the solution, of whole cells: rates of the pressures, (nodes), Pa, for rates of the overlap, (nodes), m, both per unit
+// Linearisation of the solution: rates of the pressures, (nodes), Pa, for rates of the overlap, (nodes), m, both per unit
 // of the same parameter. The active set is held fixed: A p' = d' on the nodes with pressure. Instantaneous, also for a relaxing skin.
 std::vector<double> pressureRates(const Layer& layer, const LayerContact& contact, std::span<const double> overlap_rates);
 
@@ -97,7 +98,9 @@ PressedSkin pressedNodes(const Sensor& sensor, std::span<const PlacedObject> obj
 // Contact with the objects at their poses. `skin`: state of a relaxing skin over the nodes; default: never loaded.
 //
 // Relaxation: all moduli follow one kernel g(t), so p = g * dP/dt (convolution) with A P = w. A step that starts from `skin` gives p = gain
-// (P - q), q the recovered strains; p / gain solves the elastic problem with overlap d - A q.
+// (P - q), q the recovered strains; p / gain solves the elastic problem with overlap d - A q. With cells, A q takes the compliance of a
+// cell for the dent that is nearer to a whole cell's: that of what is covered now, or that of what was covered when the strain was added,
+// the mean over the strain. It is the displacement of a part of a cell by a force on another one, if one of the parts contains the other.
 LayerContact layerContact(const Sensor& sensor, std::span<const PlacedObject> objects, const SkinStep& skin = {});
 
 // Contact with the objects translated along z of S so that taxels and margin together carry `load` (N). If the skin carries less at full

@@ -23,7 +23,7 @@ void takeSolution(LayerContact solved, Frame& frame) {
 void solveElasticLayer(const Sensor& sensor, const FrameInput& input, const SkinStep& skin, Frame& frame) {
   LayerContact solved =
       input.load ? loadedLayerContact(sensor, input.objects, *input.load, skin) : layerContact(sensor, input.objects, skin);
-  if (input.skin) input.skin->advance(input.dt, solved.strain);
+  if (input.skin) input.skin->advance(input.dt, solved.strain, solved.dent_compliance);
   const std::vector<PlacedObject> placed = movedAlongZ(input.objects, solved.offset);
   frame.shear = contactShear(sensor, placed, pressedNodes(sensor, placed, solved), input.previous_friction, input.dt);
   takeSolution(std::move(solved), frame);

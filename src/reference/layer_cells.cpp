@@ -65,15 +65,21 @@ void setCell(LayerCells& cells, std::size_t n, const CellDepth& cell, int number
   cells.touching[n] = number;
 }
 
-void setCompliances(LayerCells& cells, const ElasticLayer& law, const Sensor& sensor, const LayerNodes& nodes) {
-  const CellCompliance relative = cellCompliance(law, sensor.skin.thickness, nodes.spacing);
-  const double own = layerInfluence(law, sensor.skin.thickness, nodes.spacing, 1, 1).front();
-  for (int u = 0; u < nodes.num_rows; ++u) {
-    for (int v = 0; v < nodes.num_cols; ++v) cells.compliance.push_back(own * (complianceOf(cells, nodes, relative, u, v) - 1));
-  }
+}  // namespace
+
+NodeCompliance nodeCompliance(const Sensor& sensor, const LayerNodes& nodes) {
+  const auto& law = std::get<ElasticLayer>(sensor.skin.law);
+  const double thickness = sensor.skin.thickness;
+  return {layerInfluence(law, thickness, nodes.spacing, 1, 1).front(), cellCompliance(law, thickness, nodes.spacing)};
 }
 
-}  // namespace
+std::vector<double> cellCompliances(const LayerCells& cells, const LayerNodes& nodes, const NodeCompliance& compliance) {
+  std::vector<double> more;
+  for (int u = 0; u < nodes.num_rows; ++u) {
+    for (int v = 0; v < nodes.num_cols; ++v) more.push_back(compliance.whole * (complianceOf(cells, nodes, compliance.of_parts, u, v) - 1));
+  }
+  return more;
+}
 
 LayerCells sampleCells(const Sensor& sensor, std::span<const PlacedObject> objects, double offset) {
   LayerCells cells;
@@ -101,8 +107,8 @@ LayerCells sampleCells(const Sensor& sensor, std::span<const PlacedObject> objec
 
 LayerCells layerCells(const Sensor& sensor, const LayerNodes& nodes, std::span<const PlacedObject> objects, double offset) {
   LayerCells cells = sampleCells(sensorOfNodes(sensor, nodes), objects, offset);
-  const auto* law = std::get_if<ElasticLayer>(&sensor.skin.law);
-  if (law != nullptr && !cells.covered.empty()) setCompliances(cells, *law, sensor, nodes);
+  if (std::holds_alternative<ElasticLayer>(sensor.skin.law) && !cells.covered.empty())
+    cells.compliance = cellCompliances(cells, nodes, nodeCompliance(sensor, nodes));
   return cells;
 }
 

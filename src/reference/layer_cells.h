@@ -39,6 +39,16 @@ LayerCells layerCells(const Sensor& sensor, const LayerNodes& nodes, std::span<c
 // The same at full depth, for a load search; the translation is along z of P.
 LayerCells layerCellsAtFullDepth(const Sensor& sensor, const LayerNodes& nodes, std::span<const PlacedObject> objects);
 
+// Compliances of the cells of an elastic layer.
+struct NodeCompliance {
+  double whole = 0;         // m/Pa, of a whole cell
+  CellCompliance of_parts;  // relative to it
+};
+NodeCompliance nodeCompliance(const Sensor& sensor, const LayerNodes& nodes);
+
+// LayerCells::compliance from the other arrays; of the law ElasticLayer.
+std::vector<double> cellCompliances(const LayerCells& cells, const LayerNodes& nodes, const NodeCompliance& compliance);
+
 // Heights that the nodes meet, from those in the middle of their cells: both (nodes), m.
 std::vector<double> heightsOfCells(const LayerCells& cells, std::vector<double> heights);
 

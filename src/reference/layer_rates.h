@@ -1,12 +1,14 @@
 // Rates of taxel forces and moments under a rigid motion of the objects, for law ElasticLayer.
 //
 // The overlap changes at d_t = -u_z - u_x d_x - u_y d_y, u = v + w x p, with slopes from finite differences; the rates of the pressures
-// then follow from the linearised contact problem (pressureRates() of elastic_layer.h).
+// then follow from the linearised contact problem (pressureRates() of elastic_layer.h). With area sampling the compliances and places of
+// cells change as well (layer_cell_rates.h).
 #pragma once
 
 #include <cstddef>
 #include <vector>
 
+#include "reference/layer_cell_rates.h"
 #include "reference/pressure_transport.h"
 
 namespace taxelsim::reference {
@@ -28,12 +30,15 @@ class LayerField {
   std::size_t index(int u, int v) const { return static_cast<std::size_t>(u * layer_.nodes.num_cols + v); }
   double depthAt(int u, int v) const;
   double slope(int u, int v, int du, int dv) const;
-  std::vector<double> nodePressureRates(const Motion& motion) const;
+  double pressureAt(std::size_t n) const;
+  std::vector<double> nodePressureRates(const Motion& motion, const CellRates& of_cells) const;
 
   Layer layer_;
   const LayerContact& contact_;
+  bool has_cells_;
   std::vector<Sample> samples_;
   double thickness_;
+  NodeCompliance compliance_;
 };
 
 }  // namespace taxelsim::reference

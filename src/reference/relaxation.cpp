@@ -27,6 +27,7 @@ SkinStep SkinHistory::step(double dt) const {
   SkinStep step;
   if (strain_.empty()) return step;
   step.strain = strain_.back();
+  step.compliance = compliance_;
   step.held_pressure.assign(step.strain.size(), 0);
   step.gain = meanKernel(0, dt);
   double age = dt;
@@ -39,9 +40,10 @@ SkinStep SkinHistory::step(double dt) const {
   return step;
 }
 
-void SkinHistory::advance(double dt, std::span<const double> strain) {
+void SkinHistory::advance(double dt, std::span<const double> strain, std::span<const double> compliance) {
   dt_.push_back(dt);
   strain_.emplace_back(strain.begin(), strain.end());
+  compliance_.assign(compliance.begin(), compliance.end());
 }
 
 }  // namespace taxelsim::reference

@@ -21,6 +21,7 @@ struct SkinStep {
   std::vector<double> strain;         // (num_samples), Pa, before the step; empty for a skin never loaded
   std::vector<double> held_pressure;  // (num_samples), Pa: pressure at the end of the step if the strain does not change
   double gain = 1;                    // Pa of pressure per Pa of strain added in the step
+  std::vector<double> compliance;     // (num_samples), m/Pa: LayerContact::dent_compliance before the step; of an elastic layer's cells
 
   struct Pressed {
     double pressure;  // Pa, >= 0
@@ -39,8 +40,9 @@ class SkinHistory {
 
   // The response of a step of dt (s, > 0) that follows the history.
   SkinStep step(double dt) const;
-  // Appends a step of dt (s, > 0) that ended at `strain` (num_samples), Pa.
-  void advance(double dt, std::span<const double> strain);
+  // Appends a step of dt (s, > 0) that ended at `strain` (num_samples), Pa, and for an elastic layer's cells at `compliance` (num_samples),
+  // m/Pa.
+  void advance(double dt, std::span<const double> strain, std::span<const double> compliance = {});
 
  private:
   // Mean of g over ages from `age` to `age + span` (s).
@@ -49,6 +51,7 @@ class SkinHistory {
   std::vector<RelaxationTerm> terms_;
   std::vector<double> dt_;                   // s, of each step
   std::vector<std::vector<double>> strain_;  // (num_steps x num_samples), Pa
+  std::vector<double> compliance_;           // (num_samples), m/Pa, after the last step
 };
 
 }  // namespace taxelsim::reference

@@ -42,10 +42,6 @@ void checkCellsOfLayer(const Sensor& sensor, const ElasticLayer& law) {
               "samples at most a thickness (" + numberText(sensor.skin.thickness) +
                   " m) apart with a bonded elastic_layer and depth_sampling: area");
   }
-  if (!sensor.skin.relaxation.empty()) {
-    failField("skin.relaxation", std::to_string(sensor.skin.relaxation.size()) + " terms",
-              "none with the law elastic_layer and depth_sampling: area");
-  }
 }
 
 void checkDepthSampling(const Sensor& sensor) {

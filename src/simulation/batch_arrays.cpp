@@ -78,7 +78,8 @@ std::uint64_t layerFrictionStates(Shape s) {
 std::uint64_t layerPairs(Shape s) {
   if (!s.hasLayer()) return 0;
   const std::uint64_t padded_nodes = s.model.layer->influence.size() / 2;
-  return (layout::kNumLayerArrays + relaxationStates(s) + (s.model.area() ? 1 : 0)) * padded_nodes / 2;
+  const std::uint64_t compliances = !s.model.area() ? 0 : s.model.relaxes() ? 2 : 1;
+  return (layout::kNumLayerArrays + relaxationStates(s) + compliances) * padded_nodes / 2;
 }
 
 // Pairs of words of all arrays over blocks of nodes, or over linked nodes and their blocks.

@@ -69,7 +69,6 @@ void checkJacobian(const ModelData& model, const SimulatorOptions& options) {
   if (options.max_contacts > 0) refuse("where max_contacts > 0: contacts do not determine how forces change with a motion");
   if (options.vary_skin) refuse("where vary_skin is true: it has no factors per instance");
   if (model.isPasternak()) refuse("with the law pasternak, which has no Jacobian");
-  if (model.isElasticLayer() && model.area()) refuse("with the law elastic_layer and depth_sampling: area; depth_sampling: point has it");
 }
 
 void checkTaxelCounts(const ModelData& model, const SimulatorOptions& options) {

@@ -255,13 +255,6 @@ TEST(ElasticLayerArea, RefusesWhatItHasNot) {
   Sensor sensor = cellSensor({.thickness = 0.8e-3});
   const auto modelOf = [&] { return Model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{5e-3})}}); };
   EXPECT_THAT(support::inputError(modelOf), testing::HasSubstr("samples_per_taxel: 4 is not allowed: samples at most a thickness"));
-  sensor.skin.thickness = 2e-3;
-  sensor.skin.relaxation = {{0.3, 1}};
-  EXPECT_THAT(support::inputError(modelOf), testing::HasSubstr("skin.relaxation: 1 terms is not allowed: none with the law elastic_layer"));
-  sensor.skin.relaxation.clear();
-  const Model model = modelOf();
-  EXPECT_THAT(support::inputError([&] { Simulator(model, {.num_instances = 1, .outputs = {.taxel_jacobian = true}}); }),
-              testing::HasSubstr("elastic_layer and depth_sampling: area"));
 }
 
 }  // namespace
