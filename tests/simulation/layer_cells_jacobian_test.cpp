@@ -34,7 +34,7 @@ Sensor cellSensor(ElasticLayer::Base base = ElasticLayer::Base::kBonded) {
   return sensor;
 }
 
-// An upright pin as a prism, of which the twin clips facets; standing for `turned` along z.
+// A pin as a prism along y, of which the twin clips facets.
 Object prismPin(double radius) {
   constexpr int kSides = 48;
   std::vector<std::array<double, 2>> outline;
