@@ -26,15 +26,6 @@ struct CutCell {
   vec4 arms;      // covered parts of the half links along -x, x, -y and y, in widths of half a link; of no use where the height is above the skin
 };
 
-// Distance along `normal`, of which the components add up to 1, from the middle of a cell to the line that has the share of the cell behind it.
-float lineOffset(float share, vec2 normal) {
-  float least = min(abs(normal.x), abs(normal.y)), most = 1.0 - least, corner = 0.5 * least / most;
-  float offset = most * share + 0.5 * least;
-  if (share < corner) offset = sqrt(2.0 * least * most * share);
-  if (share > 1.0 - corner) offset = 1.0 - sqrt(2.0 * least * most * (1.0 - share));
-  return offset - 0.5;
-}
-
 // `height`: in the middle of the cell, m; kMiss without a surface.
 CutCell cutCell(float height, CellPart part) {
   float edge = part.covered == 0.0 ? 0.0 : part.edge;

@@ -14,3 +14,12 @@ CellPart cellPart(uint node) {
   float edge = float(word >> (2u * kCentroidBits)) / float((1u << kEdgeBits) - 1u);
   return CellPart(node_cells[first], uintBitsToFloat(node_cells[first + 1u]), center, edge);
 }
+
+// Distance along `normal`, of which the components add up to 1, from the middle of a cell to the line that has the share of the cell behind it.
+float lineOffset(float share, vec2 normal) {
+  float least = min(abs(normal.x), abs(normal.y)), most = 1.0 - least, corner = 0.5 * least / most;
+  float offset = most * share + 0.5 * least;
+  if (share < corner) offset = sqrt(2.0 * least * most * share);
+  if (share > 1.0 - corner) offset = 1.0 - sqrt(2.0 * least * most * (1.0 - share));
+  return offset - 0.5;
+}

@@ -28,15 +28,6 @@ struct CellLine {
   float offset;
 };
 
-// Distance along `normal`, of which the components add up to 1, from the middle of a cell to the line that has the share of the cell behind it.
-float offsetWithShare(float share, vec2 normal) {
-  float least = min(abs(normal.x), abs(normal.y)), most = 1.0 - least, corner = 0.5 * least / most;
-  float offset = most * share + 0.5 * least;
-  if (share < corner) offset = sqrt(2.0 * least * most * share);
-  if (share > 1.0 - corner) offset = 1.0 - sqrt(2.0 * least * most * (1.0 - share));
-  return offset - 0.5;
-}
-
 CellLine lineAt(Surface surface, uvec2 node) {
   if (!isReached(surface, node)) return CellLine(false, 0.0, vec2(1, 0), 0.0);
   NodeCell cell = cellAt(surface, node);
@@ -44,7 +35,7 @@ CellLine lineAt(Surface surface, uvec2 node) {
   float size = abs(center.x) + abs(center.y);
   if (cell.covered == 0.0 || cell.edge == 0.0 || size == 0.0) return CellLine(false, cell.covered > 0.0 ? 1.0 : 0.0, vec2(1, 0), 0.0);
   vec2 normal = -center / size;
-  return CellLine(true, 0.0, normal, offsetWithShare(cell.covered, normal));
+  return CellLine(true, 0.0, normal, lineOffset(cell.covered, normal));
 }
 
 vec2 sidePoint(uint side, float along) {

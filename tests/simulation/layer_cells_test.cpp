@@ -116,15 +116,20 @@ TEST(ElasticLayerArea, SpheresAreAsWithPoints) {
 // as much. The ends of cylinders have 128 sides, up to 0.3 um inside of a circle of 1 mm: 3.5e-4 of a cell of 0.85 mm. What such a sliver
 // adds to its neighbour's compliance goes with the root of its share, 0.02, times the compliances' ratio of 0.5.
 constexpr double kPacking = 3e-3, kSlivers = 1e-2;
+// Where only the side of a tilted object enters a cell, 0.01 of it, the second moments of that part (1e-5 of the cell's square) are rounded
+// by 2^-24, so that the variance of the depth is uncertain by 1 %, and the share that counts by ten times as much: 0.1 of one of 16 nodes.
+constexpr double kSides = 0.1 / 16;
 
-void expectLikeTwin(const FrameView& frame, std::size_t i, const Sensor& sensor, const reference::Frame& twin, double deepest) {
-  const double force = twin.contact.total_force + twin.off_array_load;
-  const double slack = support::forceSlack(force, deepest) + kSlivers * force;
+void expectLikeTwin(const FrameView& frame, std::size_t i, const Sensor& sensor, const reference::Frame& twin, double deepest,
+                    bool tilted) {
+  const double force = twin.contact.total_force + twin.off_array_load, sides = tilted ? kSides : 0;
+  const double slack = support::forceSlack(force, deepest) + (kSlivers + sides) * force;
   const auto num_taxels = static_cast<std::size_t>(numTaxels(sensor));
   const GroundTruthView& truth = frame.ground_truth;
   for (std::size_t t = 0; t < num_taxels; ++t) {
     EXPECT_NEAR(truth.tactile_normal_force[i * num_taxels + t], twin.contact.taxel_force[t], slack) << "taxel " << t;
-    EXPECT_NEAR(truth.penetration_depth[i * num_taxels + t], twin.contact.mean_penetration[t], kPacking * deepest) << "taxel " << t;
+    EXPECT_NEAR(truth.penetration_depth[i * num_taxels + t], twin.contact.mean_penetration[t], (kPacking + sides) * deepest)
+        << "taxel " << t;
     for (std::size_t axis = 0; axis < 2; ++axis) {
       EXPECT_NEAR(truth.tactile_shear_force[2 * (i * num_taxels + t) + axis], twin.shear.taxel_force[t][axis], slack) << "taxel " << t;
     }
@@ -137,7 +142,7 @@ void expectLikeTwin(const FrameView& frame, std::size_t i, const Sensor& sensor,
 
 // Pins, a tilted one, a box and a sphere, pressed and then moved, with friction.
 TEST(ElasticLayerAreaOnEveryDriver, MatchesTheTwin) {
-  constexpr int kInstances = 10;
+  constexpr int kInstances = 10, kLevel = 4;
   Random random(5);
   Sensor sensor = cellSensor({.poisson_ratio = 0.45, .margin = 1.7e-3});
   sensor.skin.friction = {.tangential_stiffness = 1e8, .friction_coefficient = 0.4};
@@ -151,7 +156,7 @@ TEST(ElasticLayerAreaOnEveryDriver, MatchesTheTwin) {
   for (int i = 0; i < kInstances; ++i) {
     const int id = i % 4;
     depths.push_back(random.uniform(0.2e-3, 1e-3));
-    const double tilt = i < 4 ? 0 : 0.02, yaw = random.uniform(-1, 1);
+    const double tilt = i < kLevel ? 0 : 0.02, yaw = random.uniform(-1, 1);
     const Quaternion turned = axisAngle({std::cos(yaw), std::sin(yaw), 0}, tilt) * axisAngle({0, 0, 1}, yaw);
     touches.push_back(
         {{id},
@@ -166,7 +171,7 @@ TEST(ElasticLayerAreaOnEveryDriver, MatchesTheTwin) {
       const auto placed = touches[i].placed(objects);
       const reference::Frame twin = reference::simulateFrame(sensor, {.objects = placed, .previous_friction = states[i], .dt = kDt});
       states[i] = twin.shear.state;
-      expectLikeTwin(frame, i, sensor, twin, depths[i]);
+      expectLikeTwin(frame, i, sensor, twin, depths[i], i >= kLevel);
       touches[i].X_SO[0].position[0] += 0.05e-3;
       touches[i].X_SO[0].position[1] -= 0.02e-3;
     }
