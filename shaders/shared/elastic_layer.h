@@ -17,8 +17,8 @@ TAXELSIM_CONSTANT kNumLayerArrays = 5u;
 // A skin that relaxes has these as well, kept from frame to frame, in the units of p. A further array follows for each further term.
 TAXELSIM_CONSTANT kLayerStrain = 5u;
 TAXELSIM_CONSTANT kLayerOverstress = 6u;
-// With area sampling the last array is a node's own compliance less that of a whole cell, 1. A skin that relaxes has that of the dent before
-// it, kept from frame to frame.
+// With area sampling the last array is a node's own compliance less that of a whole cell, 1. A skin that relaxes has that of the dent
+// before it, kept from frame to frame.
 
 // What an object covers of the cell of a node, with area sampling. Words: mean height (m, as bits, with the slot in the lowest ones) over
 // what is covered; covered share (a float's bits), 0 where nothing touches; centroid from the middle of the cell in its widths (2 x
