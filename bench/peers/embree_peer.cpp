@@ -56,7 +56,8 @@ MeshScene sceneOf(RTCDevice device, const Mesh& mesh) {
 }  // namespace
 
 struct EmbreePeer::Impl {
-  Impl(const Sensor& sensor, Rays which, int threads) : stage(sensor), rays(which), num_threads(threadsOf(threads)) {}
+  Impl(const Sensor& sensor, Rays which, int threads, int per_side)
+      : stage(sensor), rays(which), num_threads(threadsOf(threads)), rays_per_side(per_side) {}
   ~Impl() {
     for (const MeshScene& object : objects) rtcReleaseScene(object.scene);
     if (device) rtcReleaseDevice(device);
@@ -69,10 +70,12 @@ struct EmbreePeer::Impl {
 
   TaxelRect rectUnder(const MeshScene& object, const std::array<double, 9>& R, const Vec3f& p) const;
   TaxelRect castRays(const MeshScene& object, const Pose& X_SO, Scratch& scratch) const;
+  void castRays(const MeshScene& object, const Pose& X_SO, const TaxelRect& rect, std::array<float, 2> in_cell, Scratch& scratch) const;
 
   TaxelStage stage;
   Rays rays;
   int num_threads;
+  int rays_per_side;  // of a cell
   RTCDevice device = nullptr;
   std::vector<MeshScene> objects;
   std::vector<std::unique_ptr<Scratch>> scratches;  // (num_threads)
@@ -99,20 +102,36 @@ TaxelRect EmbreePeer::Impl::rectUnder(const MeshScene& object, const std::array<
           std::min(stage.numCols() - 1, taxel(high.y, stage.pitchY(), stage.numCols()))};
 }
 
-// Stages 1 and 2. A ray runs from the bottom of the skin to its surface; the part beyond the hit is the penetration.
+// Stages 1 and 2.
 TaxelRect EmbreePeer::Impl::castRays(const MeshScene& object, const Pose& X_SO, Scratch& scratch) const {
+  const Vec3f p{static_cast<float>(X_SO.position[0]), static_cast<float>(X_SO.position[1]), static_cast<float>(X_SO.position[2])};
+  const TaxelRect rect = rays == Rays::kUnderBox ? rectUnder(object, rotationMatrix(X_SO.rotation), p)
+                                                 : TaxelRect{0, stage.numRows() - 1, 0, stage.numCols() - 1};
+  for (int i = rect.first_row; i <= rect.last_row; ++i)
+    for (int j = rect.first_col; j <= rect.last_col; ++j) stage.force(scratch.taxels, i, j) = 0;
+  const auto place = [&](int k) { return (static_cast<float>(k) + 0.5f) / static_cast<float>(rays_per_side); };
+  for (int a = 0; a < rays_per_side; ++a)
+    for (int b = 0; b < rays_per_side; ++b) castRays(object, X_SO, rect, {place(a), place(b)}, scratch);
+  return rect;
+}
+
+// Adds the forces of one ray of every sample, at a place of its cell. A ray runs from the bottom of the skin to its surface; the part
+// beyond the hit is the penetration.
+void EmbreePeer::Impl::castRays(const MeshScene& object, const Pose& X_SO, const TaxelRect& rect, std::array<float, 2> in_cell,
+                                Scratch& scratch) const {
   const std::array<double, 9> R = rotationMatrix(X_SO.rotation);
   const auto r = [&](int row, int column) { return static_cast<float>(R[3 * row + column]); };
   const Vec3f p{static_cast<float>(X_SO.position[0]), static_cast<float>(X_SO.position[1]), static_cast<float>(X_SO.position[2])};
-  const TaxelRect rect = rays == Rays::kUnderBox ? rectUnder(object, R, p) : TaxelRect{0, stage.numRows() - 1, 0, stage.numCols() - 1};
+  const float force_per_depth = stage.sampleForce() / static_cast<float>(rays_per_side * rays_per_side);
 
   // Columns of R_OS: the axes of S in O.
   const Vec3f x_O{r(0, 0), r(0, 1), r(0, 2)}, y_O{r(1, 0), r(1, 1), r(1, 2)}, z_O{r(2, 0), r(2, 1), r(2, 2)};
   const float thickness = stage.thickness();
   alignas(64) float offset_x[kPacket], offset_y[kPacket], offset_z[kPacket];
   for (int k = 0; k < kPacket; ++k) {
-    const float x = ((static_cast<float>(k / kSide) + 0.5f) / kSide - 0.5f) * stage.pitchX();
-    const float y = ((static_cast<float>(k % kSide) + 0.5f) / kSide - 0.5f) * stage.pitchY();
+    const int row = k / kSide, col = k % kSide;
+    const float x = ((static_cast<float>(row) + in_cell[0]) / kSide - 0.5f) * stage.pitchX();
+    const float y = ((static_cast<float>(col) + in_cell[1]) / kSide - 0.5f) * stage.pitchY();
     offset_x[k] = x * x_O.x + y * y_O.x;
     offset_y[k] = x * x_O.y + y * y_O.y;
     offset_z[k] = x * x_O.z + y * y_O.z;
@@ -147,14 +166,13 @@ TaxelRect EmbreePeer::Impl::castRays(const MeshScene& object, const Pose& X_SO, 
       rtcIntersect16(kAllValid.data(), object.scene, &context, &packet);
       float depth = 0;
       for (int k = 0; k < kPacket; ++k) depth += thickness - packet.ray.tfar[k];
-      stage.force(scratch.taxels, i, j) = stage.sampleForce() * depth;
+      stage.force(scratch.taxels, i, j) += force_per_depth * depth;
     }
   }
-  return rect;
 }
 
-EmbreePeer::EmbreePeer(const Sensor& sensor, const std::vector<const Mesh*>& meshes, Rays rays, int num_threads)
-    : impl_(std::make_unique<Impl>(sensor, rays, num_threads)) {
+EmbreePeer::EmbreePeer(const Sensor& sensor, const std::vector<const Mesh*>& meshes, Rays rays, int num_threads, int rays_per_side)
+    : impl_(std::make_unique<Impl>(sensor, rays, num_threads, rays_per_side)) {
   impl_->device = rtcNewDevice(nullptr);
   for (const Mesh* mesh : meshes) impl_->objects.push_back(sceneOf(impl_->device, *mesh));
   for (int t = 0; t < impl_->num_threads; ++t) {

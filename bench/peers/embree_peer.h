@@ -16,8 +16,9 @@ enum class Rays { kAll, kUnderBox };
 
 class EmbreePeer : public Peer {
  public:
-  // Builds a scene per mesh. Throws Error(kInput) for a sensor that TaxelStage does not support.
-  EmbreePeer(const Sensor& sensor, const std::vector<const Mesh*>& meshes, Rays rays, int num_threads);
+  // Builds a scene per mesh. A sample's depth is the mean over rays_per_side x rays_per_side rays in its cell. Throws Error(kInput) for a
+  // sensor that TaxelStage does not support.
+  EmbreePeer(const Sensor& sensor, const std::vector<const Mesh*>& meshes, Rays rays, int num_threads, int rays_per_side = 1);
   ~EmbreePeer() override;
 
   std::string name() const override;
