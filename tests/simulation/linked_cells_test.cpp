@@ -11,6 +11,7 @@
 #include "simulation/comparison.h"
 #include "simulation/foundation_forms.h"
 #include "simulation/foundation_law.h"
+#include "simulation/linked_sensors.h"
 #include "support/curved_sensor.h"
 
 namespace taxelsim {
@@ -19,19 +20,14 @@ namespace {
 using support::Random;
 using support::Touch;
 
-constexpr double kDt = 1e-3;  // s
-constexpr double kShear = kStiffness * kDecay * kDecay;
-
-Sensor withCells(Sensor sensor, int samples_per_taxel, int iterations = 0) {
-  sensor.skin = {.thickness = 2e-3, .law = Pasternak{kStiffness, kShear, iterations}};
-  sensor.samples_per_taxel = samples_per_taxel;
+Sensor withCells(Sensor sensor) {
   sensor.depth_sampling = DepthSampling::kArea;
   return sensor;
 }
 
 // One grid, whose nodes are 0.283 mm apart.
 Sensor grid(int iterations = 0, int taxels_per_side = 4) {
-  return withCells(support::gridSensor({.num_rows = taxels_per_side, .num_cols = taxels_per_side}), 4, iterations);
+  return withCells(onFoundation(support::gridSensor({.num_rows = taxels_per_side, .num_cols = taxels_per_side}), 4, iterations));
 }
 
 // The same as two grids with a seam in the middle, where S lies.
@@ -47,29 +43,14 @@ Sensor halves(int iterations = 0, int taxels_per_side = 4) {
 
 // The fingertips of scenes/sensors near their apex.
 Sensor cylinder(int iterations = 0) {
-  return withCells(support::cylinderFingertip(8e-3, 0.6, 5, 3, 2.5e-3), 3, iterations);
+  return withCells(onFoundation(support::cylinderFingertip(8e-3, 0.6, 5, 3, 2.5e-3), 3, iterations));
 }
 Sensor ball(int iterations = 0) {
-  return withCells(support::sphereFingertip(8e-3, 2, 0.6), 3, iterations);
+  return withCells(onFoundation(support::sphereFingertip(8e-3, 2, 0.6), 3, iterations));
 }
 
-// Three grids side by side, the last one turned down along the seam, with a gap between the first two.
 Sensor grids(int iterations = 0) {
-  Sensor sensor = withCells(support::gridSensor({.num_rows = 2, .num_cols = 3, .pitch_x = 2e-3, .pitch_y = 2.4e-3}), 3, iterations);
-  GridPatch patch = sensor.patches[0];
-  patch.X_SP.position = {0, 7.5e-3, 0};
-  sensor.patches.push_back(patch);
-  patch.num_rows = 3;
-  patch.pitch = {1.6e-3, 2.4e-3};
-  patch.X_SP = {{4.2e-3, 0, -0.4e-3}, axisAngle({0, 1, 0}, 0.2)};
-  sensor.patches.push_back(patch);
-  return sensor;
-}
-
-FrameView step(Simulator& simulator, const std::vector<Touch>& touches) {
-  support::setTouches(simulator, touches);
-  simulator.step(kDt);
-  return simulator.read();
+  return withCells(threeGrids(iterations));
 }
 
 // Forces of one object in poses.
@@ -268,7 +249,7 @@ TEST(LinkedCells, OffsetsOfLoadsMatchTheTwin) {
   // Forces are within 2e-3 of the twin's, and grow at least as fast as the depth.
   constexpr double kLinks = 2e-3;  // of the depth
   constexpr double kLoad = 0.4;    // N
-  const Sensor sensor = withCells(support::cylinderFingertip(8e-3, 0.3, 3, 2, 2.5e-3), 2, kManySweeps);
+  const Sensor sensor = withCells(onFoundation(support::cylinderFingertip(8e-3, 0.3, 3, 2, 2.5e-3), 2, kManySweeps));
   const std::vector<Object> objects{Box{{1.1e-3, 0.9e-3, 0.01}}};
   const Touch touch{{0}, {{{1.1e-3, -0.1e-3, 0.02}, axisAngle({0, 0, 1}, 0.4)}}};
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
@@ -302,7 +283,7 @@ TEST(LinkedCells, LoadsBeyondTheSkinAreOutOfReach) {
 
 TEST(LinkedCellsOnEveryDriver, BatchesAndWorkgroupsGiveTheSameBytes) {
   constexpr int kInstances = 6;
-  const Sensor sensor = withCells(support::cylinderFingertip(8e-3, 0.6, 5, 3, 2.5e-3), 2);
+  const Sensor sensor = withCells(onFoundation(support::cylinderFingertip(8e-3, 0.6, 5, 3, 2.5e-3), 2));
   Random random(11);
   const std::vector<Object> objects{Sphere{0.004}, support::icosphere(0.008, 2, 0.05, random), Box{{1.1e-3, 0.9e-3, 0.01}}};
   const std::vector<double> heights{3.6e-3, 7.5e-3, 4.4e-3};

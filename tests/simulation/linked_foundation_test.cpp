@@ -12,6 +12,7 @@
 #include "sensor/pasternak.h"
 #include "simulation/comparison.h"
 #include "simulation/foundation_law.h"
+#include "simulation/linked_sensors.h"
 #include "support/curved_sensor.h"
 
 namespace taxelsim {
@@ -21,39 +22,13 @@ using support::Random;
 using support::Touch;
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kDt = 1e-3;  // s
 constexpr double kShear = kStiffness * kDecay * kDecay;
-
-Sensor onFoundation(Sensor sensor, int samples_per_taxel, int iterations = 0) {
-  sensor.skin = {.thickness = 2e-3, .law = Pasternak{kStiffness, kShear, iterations}};
-  sensor.samples_per_taxel = samples_per_taxel;
-  return sensor;
-}
 
 Sensor cylinder(int iterations = 0) {
   return onFoundation(support::cylinderFingertip(8e-3, 0.6, 5, 3, 2.4e-3), 3, iterations);
 }
 Sensor sphere(int iterations = 0) {
   return onFoundation(support::sphereFingertip(8e-3, 2, 0.6), 3, iterations);
-}
-
-// Three grids side by side, the last one turned down along the seam, with a gap between the first two.
-Sensor grids(int iterations = 0) {
-  Sensor sensor = onFoundation(support::gridSensor({.num_rows = 2, .num_cols = 3, .pitch_x = 2e-3, .pitch_y = 2.4e-3}), 3, iterations);
-  GridPatch patch = sensor.patches[0];
-  patch.X_SP.position = {0, 7.5e-3, 0};
-  sensor.patches.push_back(patch);
-  patch.num_rows = 3;
-  patch.pitch = {1.6e-3, 2.4e-3};
-  patch.X_SP = {{4.2e-3, 0, -0.4e-3}, axisAngle({0, 1, 0}, 0.2)};
-  sensor.patches.push_back(patch);
-  return sensor;
-}
-
-FrameView step(Simulator& simulator, const std::vector<Touch>& touches) {
-  support::setTouches(simulator, touches);
-  simulator.step(kDt);
-  return simulator.read();
 }
 
 // Of one object in one pose.
@@ -152,7 +127,7 @@ void expectRandomContactsLikeTwin(const Sensor& sensor, int seed) {
 
 struct Arrays : ::testing::TestWithParam<int> {
   static Sensor sensorOf(int kind, int iterations) {
-    return kind == 0 ? cylinder(iterations) : kind == 1 ? sphere(iterations) : grids(iterations);
+    return kind == 0 ? cylinder(iterations) : kind == 1 ? sphere(iterations) : threeGrids(iterations);
   }
 };
 
