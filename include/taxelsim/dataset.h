@@ -153,7 +153,8 @@ class DatasetWriter {
   /// claim; the end of the process does so for any reason. True for a writer that has the directory to itself, unless the shard is on disk.
   bool claim(std::uint64_t shard);
 
-  /// Writes a shard and its checksum under temporary names, flushes them to disk and renames them, the shard last. Waits.
+  /// Writes a shard and its checksum under temporary names, flushes them to disk and renames them, the shard last. Waits. Threads may write
+  /// different shards at the same time; no other method may be called meanwhile, except claim() and isOnDisk().
   ///
   /// Throws Error(kInput) if the shard is already complete, Error(kIo) if the file system refuses.
   void writeShard(std::uint64_t shard, const ShardData& data);

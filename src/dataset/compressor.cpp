@@ -79,6 +79,7 @@ std::vector<std::vector<StoredChunk>> Compressor::compress(std::span<const Rows>
   struct Job {
     std::size_t column, chunk;
   };
+  const std::lock_guard lock(mutex_);
   std::vector<Job> jobs;
   std::vector<std::vector<StoredChunk>> stored(columns.size());
   for (std::size_t c = 0; c < columns.size(); ++c) {

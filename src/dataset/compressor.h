@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -36,12 +37,13 @@ class Compressor {
   };
 
   // Returns the chunks of each column, in order. Chunks that deflate does not shrink are only shuffled, as HDF5 does for optional filters.
-  // The result does not depend on the number of threads. Throws std::bad_alloc. Not thread-safe.
+  // The result does not depend on the number of threads. Throws std::bad_alloc. Thread-safe: one call runs at a time.
   std::vector<std::vector<StoredChunk>> compress(std::span<const Rows> columns);
 
  private:
   class Deflater;
 
+  std::mutex mutex_;                 // of compress()
   std::vector<Deflater> deflaters_;  // (num_threads)
   ThreadPool threads_;
 };

@@ -37,22 +37,30 @@ std::uint64_t chunkRows(const Manifest& manifest, const Column& column, std::uin
   return std::clamp<std::uint64_t>(manifest.chunk_bytes / rowBytes(column), 1, num_rows);
 }
 
-void writeAttributes(hid_t data, const Column& column, std::span<const std::byte> rows) {
+void writeAttributes(hid_t data, const Column& column, const std::string& sha256) {
   writeColumnAttributes(data, column);
-  writeAttribute(data, kHashAttribute, sha256Hex(rows));
+  writeAttribute(data, kHashAttribute, sha256);
 }
 
+// Rows of a column with their SHA-256.
+struct HashedRows {
+  explicit HashedRows(std::span<const std::byte> all) : bytes(all), sha256(sha256Hex(all)) {}
+
+  std::span<const std::byte> bytes;
+  std::string sha256;
+};
+
 // Uncompressed: HDF5 only allocates the space; the rows are written from their memory.
-void placeColumn(FileImage& image, const Column& column, std::uint64_t num_rows, std::span<const std::byte> rows) {
+void placeColumn(FileImage& image, const Column& column, std::uint64_t num_rows, const HashedRows& rows) {
   const Handle properties = image.datasetProperties();
   checked(H5Pset_alloc_time(properties, H5D_ALLOC_TIME_EARLY));
   const Handle data = image.createDataset(column, shapeOf(column, num_rows), properties);
-  writeAttributes(data, column, rows);
-  image.placeRows(data, rows);
+  writeAttributes(data, column, rows.sha256);
+  image.placeRows(data, rows.bytes);
 }
 
 // Compressed: writes chunks that are already filtered.
-void writeChunks(FileImage& image, const Manifest& manifest, const Column& column, std::uint64_t num_rows, std::span<const std::byte> rows,
+void writeChunks(FileImage& image, const Manifest& manifest, const Column& column, std::uint64_t num_rows, const std::string& sha256,
                  std::span<const StoredChunk> chunks) {
   const std::vector<hsize_t> shape = shapeOf(column, num_rows);
   std::vector<hsize_t> chunk = shape;
@@ -62,7 +70,7 @@ void writeChunks(FileImage& image, const Manifest& manifest, const Column& colum
   checked(H5Pset_shuffle(properties));
   checked(H5Pset_deflate(properties, static_cast<unsigned>(manifest.compression)));
   const Handle data = image.createDataset(column, shape, properties);
-  writeAttributes(data, column, rows);
+  writeAttributes(data, column, sha256);
   std::vector<hsize_t> start(shape.size(), 0);
   for (const StoredChunk& stored : chunks) {
     checked(H5Dwrite_chunk(data, H5P_DEFAULT, stored.skipped_filters, start.data(), stored.bytes.size(), stored.bytes.data()));
@@ -86,7 +94,7 @@ std::vector<std::vector<StoredChunk>> compressed(const Manifest& manifest, const
 void writeEnds(FileImage& image, std::span<const std::uint64_t> ends) {
   const Column column = episodeEndsColumn();
   const Handle data = image.createDataset(column, shapeOf(column, ends.size()), image.datasetProperties());
-  writeAttributes(data, column, std::as_bytes(ends));
+  writeAttributes(data, column, sha256Hex(std::as_bytes(ends)));
   checked(H5Dwrite(data, typeOf(column), H5S_ALL, H5S_ALL, H5P_DEFAULT, ends.data()));
 }
 
@@ -173,6 +181,8 @@ FileContent shardImage(const Manifest& manifest, std::uint64_t shard, const Shar
   const std::vector<std::uint64_t> ends = endsOf(manifest, shard, data);
   std::vector<std::vector<StoredChunk>> chunks;
   if (manifest.compression > 0) chunks = compressed(manifest, data, ends.size(), ends.back(), *compressor);
+  // All long work is done before the lock of HDF5 is taken, so that several threads can make shards.
+  const std::vector<HashedRows> columns(data.columns.begin(), data.columns.end());
   try {
     const Hdf5Session session;
     FileImage image(H5F_LIBVER_V18, metadataBytes(manifest));
@@ -190,9 +200,9 @@ FileContent shardImage(const Manifest& manifest, std::uint64_t shard, const Shar
       const Column& column = manifest.columns[i];
       const std::uint64_t num_rows = column.per_episode ? ends.size() : ends.back();
       if (manifest.compression > 0) {
-        writeChunks(image, manifest, column, num_rows, data.columns[i], chunks[i]);
+        writeChunks(image, manifest, column, num_rows, columns[i].sha256, chunks[i]);
       } else {
-        placeColumn(image, column, num_rows, data.columns[i]);
+        placeColumn(image, column, num_rows, columns[i]);
       }
     }
     return image.close();

@@ -18,7 +18,8 @@ namespace taxelsim::dataset {
 class Compressor;
 
 // Returns the content of the file, a pure function of manifest, shard and data. It points into `data`. `compressor`: with the manifest's
-// level, null if that is 0. Throws Error(kInput) if `data` does not match the manifest, Error(kIo) if HDF5 fails.
+// level, null if that is 0. Several threads may call it. Throws Error(kInput) if `data` does not match the manifest, Error(kIo) if HDF5
+// fails.
 FileContent shardImage(const Manifest& manifest, std::uint64_t shard, const ShardData& data, Compressor* compressor);
 
 struct ShardFile {

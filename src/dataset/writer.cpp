@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cassert>
 #include <optional>
 #include <span>
@@ -73,7 +74,7 @@ struct DatasetWriter::Impl {
   std::vector<std::vector<std::uint64_t>> shard_ends;  // (num_shards), empty if the shard is missing
   std::vector<HashedShard> hashes;                     // (num_shards), without digest if the shard is missing
   bool is_verified = false;
-  bool is_list_complete = true;  // dataset.checksums vouches for all shards on disk that this writer knows
+  std::atomic<bool> is_list_complete = true;  // dataset.checksums vouches for all shards on disk that this writer knows
 
   fs::path shardFile(std::uint64_t shard) const { return directory / shardName(shard); }
 

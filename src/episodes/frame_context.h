@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "base/thread_team.h"
 #include "control/robots.h"
 #include "scene/skin_ranges.h"
 #include "taxelsim/simulator.h"
@@ -37,6 +38,7 @@ struct FrameContext {
   std::span<const Twist> actions;             // twist of the sensor frame commanded to the robot after this frame
   std::span<const Twist> controller_actions;  // the same before action noise
   const Robots* robots = nullptr;
+  ThreadTeam* team = nullptr;  // threads that may share loops over the instances; null: there are none
 };
 
 }  // namespace taxelsim

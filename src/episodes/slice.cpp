@@ -139,7 +139,9 @@ Slice::Stats Slice::collect() {
   if (controller_) controller_->command(batch_);
   stats.host.controller = processor.lap();
   stats.control_seconds += stopwatch.lap();
-  sink_.frame(batch_.frame(), batch_.context());
+  FrameContext context = batch_.context();
+  context.team = &batch_.team();
+  sink_.frame(batch_.frame(), context);
   stats.host.sink = processor.lap();
   stopwatch.lap();
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/memory.h"
+#include "base/processors.h"
 #include "episodes/batch.h"
 #include "generation/generate_grasp.h"
 #include "generation/open_shards.h"
@@ -51,6 +52,12 @@ void checkRun(const Scene& scene, const GenerateOptions& options) {
 std::uint64_t maxOpenShards(const Scene& scene, const GenerateOptions& options) {
   const std::uint64_t batch_size = std::min<std::uint64_t>(options.batch_size, numEpisodes(scene, options));
   return std::min(batch_size / scene.episodes_per_shard + 2, (numEpisodes(scene, options) - 1) / scene.episodes_per_shard + 1);
+}
+
+// Threads that write shards. Hashing a shard takes longer than its way to the disk.
+int writerThreads(const GenerateOptions& options) {
+  constexpr int kMost = 8;
+  return std::clamp(usableProcessors() / options.workers.num_processes, 1, kMost);
 }
 
 // Checked in advance, because Linux overcommits memory and kills the process later, as it does with a control group beyond its limit.
@@ -99,7 +106,7 @@ void simulate(ShardRun& run, DatasetWriter& writer, const Manifest& manifest, co
   const int batch_size = static_cast<int>(std::min<std::uint64_t>(options.batch_size, queue.numEpisodesLeft()));
   const Recorder recorder(planColumns(plan.scene), plan.edges);
   // All episodes of a batch end at the same time, and with them up to maxOpenShards() shards: the queue takes them without blocking.
-  ShardWriter shard_writer(writer, maxOpenShards(plan.scene, options));
+  ShardWriter shard_writer(writer, maxOpenShards(plan.scene, options), writerThreads(options));
   GenerateResult& result = run.result();
   result.load_misses.resize(plan.scene.objects.size());
   std::vector<std::unique_ptr<ShardSink>> sinks;

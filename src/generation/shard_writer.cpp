@@ -7,12 +7,17 @@
 
 namespace taxelsim {
 
-ShardWriter::ShardWriter(DatasetWriter& writer, std::size_t max_waiting) : writer_(writer), max_waiting_(max_waiting) {
-  thread_ = std::thread([this] { run(); });
+ShardWriter::ShardWriter(DatasetWriter& writer, std::size_t max_waiting, int num_threads) : writer_(writer), max_waiting_(max_waiting) {
+  try {
+    for (int thread = 0; thread < num_threads; ++thread) threads_.emplace_back([this] { run(); });
+  } catch (...) {
+    stopThreads();
+    throw;
+  }
 }
 
 ShardWriter::~ShardWriter() {
-  stopThread();
+  stopThreads();
 }
 
 void ShardWriter::run() {
@@ -23,6 +28,7 @@ void ShardWriter::run() {
     if (waiting_.empty()) return;
     std::unique_ptr<ShardBuffer> buffer = std::move(waiting_.front());
     waiting_.pop_front();
+    ++num_writing_;
     // After a failed write (disk full or gone) the remaining shards are dropped; the next run generates missing shards again.
     if (!error_) {
       lock.unlock();
@@ -39,6 +45,7 @@ void ShardWriter::run() {
         num_episodes_written_ += buffer->data.episode_lengths.size();
       }
     }
+    --num_writing_;
     written_.push_back(std::move(buffer));
     changed_.notify_all();
   }
@@ -47,7 +54,7 @@ void ShardWriter::run() {
 void ShardWriter::submit(std::unique_ptr<ShardBuffer> buffer) {
   const auto start = std::chrono::steady_clock::now();
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] { return error_ || waiting_.size() < max_waiting_; });
+  changed_.wait(lock, [this] { return error_ || waiting_.size() + num_writing_ <= max_waiting_; });
   seconds_waited_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (error_) std::rethrow_exception(error_);
   waiting_.push_back(std::move(buffer));
@@ -67,18 +74,18 @@ std::uint64_t ShardWriter::numEpisodesWritten() const {
   return num_episodes_written_;
 }
 
-void ShardWriter::stopThread() {
-  if (!thread_.joinable()) return;
+void ShardWriter::stopThreads() {
   {
     const std::lock_guard lock(mutex_);
     closing_ = true;
   }
   changed_.notify_all();
-  thread_.join();
+  for (std::thread& thread : threads_) thread.join();
+  threads_.clear();
 }
 
 void ShardWriter::close() {
-  stopThread();
+  stopThreads();
   if (error_) std::rethrow_exception(error_);
 }
 

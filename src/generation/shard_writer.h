@@ -1,4 +1,5 @@
-// Writes complete shards in a background thread, so that disk and device work concurrently. Bounded queue: submit() blocks when it is full.
+// Writes complete shards in background threads, so that disk and device work concurrently: all shards of a batch end at the same time.
+// Bounded queue: submit() blocks when it is full.
 #pragma once
 
 #include <condition_variable>
@@ -17,8 +18,9 @@ namespace taxelsim {
 // submit(), reclaim() and close() must be called by one thread; numEpisodesWritten() by any.
 class ShardWriter {
  public:
-  // max_waiting (>= 1): capacity of the queue. `writer` must outlive this, and must not be used by others until close() has returned.
-  ShardWriter(DatasetWriter& writer, std::size_t max_waiting);
+  // max_waiting (>= 1): capacity of the queue; shards that are being written, except one, count. num_threads: >= 1. `writer` must outlive
+  // this, and others must not write shards with it until close() has returned. Throws std::system_error if a thread cannot be created.
+  ShardWriter(DatasetWriter& writer, std::size_t max_waiting, int num_threads = 1);
   // Writes the queued shards; errors are ignored.
   ~ShardWriter();
   ShardWriter(const ShardWriter&) = delete;
@@ -30,7 +32,7 @@ class ShardWriter {
   // A written buffer, for reuse; null if there is none. Does not block.
   std::unique_ptr<ShardBuffer> reclaim();
 
-  // Waits until all queued shards are written and ends the thread. Rethrows the error of a write.
+  // Waits until all queued shards are written and ends the threads. Rethrows the error of a write.
   void close();
 
   std::uint64_t numEpisodesWritten() const;
@@ -40,7 +42,7 @@ class ShardWriter {
 
  private:
   void run();
-  void stopThread();
+  void stopThreads();
 
   DatasetWriter& writer_;
   const std::size_t max_waiting_;
@@ -48,11 +50,12 @@ class ShardWriter {
   std::condition_variable changed_;
   std::deque<std::unique_ptr<ShardBuffer>> waiting_;
   std::vector<std::unique_ptr<ShardBuffer>> written_;
+  std::size_t num_writing_ = 0;
   std::uint64_t num_episodes_written_ = 0;
   double seconds_waited_ = 0;
   std::exception_ptr error_;
   bool closing_ = false;
-  std::thread thread_;
+  std::vector<std::thread> threads_;
 };
 
 }  // namespace taxelsim

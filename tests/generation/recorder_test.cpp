@@ -158,7 +158,8 @@ class RecorderTest : public ::testing::Test {
                        .X_WO = {},
                        .actions = twists_,
                        .controller_actions = {},
-                       .robots = &*robots_},
+                       .robots = &*robots_,
+                       .team = &team_},
                       places_);
   }
 
@@ -183,6 +184,7 @@ class RecorderTest : public ::testing::Test {
   const std::vector<Pose> X_SO_{{{1, 2, 3}, {0.5, 0.5, 0.5, 0.5}}, {}, {{4, 5, 6}, {1, 0, 0, 0}}};
   const std::vector<Twist> twists_{{{1, 2, 3}, {4, 5, 6}}, {}, {{-1, -2, -3}, {-4, -5, -6}}};
   std::optional<Robots> robots_;
+  ThreadTeam team_{2};  // divides the instances between the idle one and the last
 
  private:
   void addColumn(const Column& column) {

@@ -35,10 +35,12 @@ std::unique_ptr<ShardBuffer> bufferOf(std::uint64_t shard) {
   return buffer;
 }
 
-TEST(ShardWriter, WritesAllShardsAndReturnsBuffers) {
+class ShardWriterThreads : public ::testing::TestWithParam<int> {};
+
+TEST_P(ShardWriterThreads, WriteAllShardsAndReturnBuffers) {
   const TestDirectory directory;
   DatasetWriter dataset(directory.path(), smallManifest());
-  ShardWriter writer(dataset, 2);
+  ShardWriter writer(dataset, 2, GetParam());
   for (std::uint64_t shard = 0; shard < kNumShards; ++shard) writer.submit(bufferOf(shard));
   writer.close();
   EXPECT_EQ(writer.numEpisodesWritten(), kNumShards);
@@ -61,11 +63,11 @@ TEST(ShardWriter, DestructorWritesQueuedShards) {
 }
 
 // The directory is removed: submit() must throw instead of blocking.
-TEST(ShardWriter, RethrowsWriteErrors) {
+TEST_P(ShardWriterThreads, RethrowWriteErrors) {
   const TestDirectory directory;
   DatasetWriter dataset(directory.path(), smallManifest());
   std::filesystem::remove_all(directory.path());
-  ShardWriter writer(dataset, 1);
+  ShardWriter writer(dataset, 1, GetParam());
   EXPECT_THROW(
       {
         for (std::uint64_t shard = 0; shard < kNumShards; ++shard) writer.submit(bufferOf(shard));
@@ -73,6 +75,36 @@ TEST(ShardWriter, RethrowsWriteErrors) {
       Error);
   EXPECT_THROW(writer.close(), Error);
   EXPECT_EQ(writer.numEpisodesWritten(), 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Threads, ShardWriterThreads, ::testing::Values(1, 3));
+
+// Large compressed shards from several threads have the bytes of one thread.
+TEST(ShardWriter, ShardsDoNotDependOnThreads) {
+  Manifest manifest = smallManifest();
+  manifest.compression = 1;
+  constexpr std::size_t kNumValues = 100'000;
+  manifest.columns[0].shape = {kNumValues};
+  std::vector<std::string> checksums;
+  for (const int num_threads : {1, 4}) {
+    const TestDirectory directory;
+    DatasetWriter dataset(directory.path(), manifest);
+    ShardWriter writer(dataset, kNumShards, num_threads);
+    for (std::uint64_t shard = 0; shard < kNumShards; ++shard) {
+      std::unique_ptr<ShardBuffer> buffer = bufferOf(shard);
+      std::vector<float> values(kNumValues);
+      for (std::size_t i = 0; i < kNumValues; ++i) values[i] = std::sin(static_cast<float>(i * (shard + 1)));
+      const std::span<const std::byte> bytes = std::as_bytes(std::span(values));
+      buffer->data.columns[0].assign(bytes.begin(), bytes.end());
+      writer.submit(std::move(buffer));
+    }
+    writer.close();
+    dataset.finish();
+    std::ifstream list(directory.path() / "dataset.checksums");
+    checksums.emplace_back(std::istreambuf_iterator<char>(list), std::istreambuf_iterator<char>());
+  }
+  EXPECT_FALSE(checksums[0].empty());
+  EXPECT_EQ(checksums[0], checksums[1]);
 }
 
 }  // namespace
