@@ -40,7 +40,7 @@ class NoSink : public EpisodeSink {
     num_touching_ = 0;
     for (const float force : view.total_force) num_touching_ += force > 0 ? 1 : 0;
     last_time_ = context.times[0];
-    for (const std::uint8_t status : context.robots->status()) num_held_back_ += status != 0 ? 1 : 0;
+    for (const std::uint8_t status : context.robot_status) num_held_back_ += status != 0 ? 1 : 0;
   }
   void end(int) override {}
 
@@ -115,6 +115,7 @@ nlohmann::ordered_json runRobot(const Model& model, Scene scene, const std::stri
   scene.robot = robot;
   scene.num_steps = options.num_ticks + kWarmUps;
   SlicePlan plan(scene, {.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false});
+  plan.sink_reads = {.object_poses = false, .sensor_poses = false, .actions = false, .robot_status = true};
   plan.host_threads = options.num_threads;
   NoSink sink(options.num_instances);
   std::vector<std::unique_ptr<Slice>> slices;

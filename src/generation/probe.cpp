@@ -76,7 +76,8 @@ class ProbeSink : public EpisodeSink {
 }  // namespace
 
 std::string probeHash(const Model& model, const Scene& scene) {
-  const SlicePlan plan(scene, outputsOf(scene));
+  SlicePlan plan(scene, outputsOf(scene));
+  plan.sink_reads = loopOutputsOf(scene);
   const Recorder recorder(planColumns(scene), plan.edges);
   ProbeSink sink(scene, recorder);
   runProbe(model, plan, sink);

@@ -152,7 +152,7 @@ void Recorder::recordFrames(const FrameView& frame, const FrameContext& context,
         copyPoses(context.X_SO, static_cast<std::size_t>(context.num_sensors), places, c);
         break;
       case FrameColumn::Source::kSensorPose:
-        copyPoses(context.robots->X_WS(), static_cast<std::size_t>(context.num_sensors), places, c);
+        copyPoses(context.X_WS, static_cast<std::size_t>(context.num_sensors), places, c);
         break;
       case FrameColumn::Source::kAction:
         copyTwists(context.actions, places, c);
@@ -161,13 +161,13 @@ void Recorder::recordFrames(const FrameView& frame, const FrameContext& context,
         copyTwists(context.controller_actions, places, c);
         break;
       case FrameColumn::Source::kJointPosition:
-        copyDoubles(context.robots->jointPositions(), row_bytes, places, c);
+        copyDoubles(context.joint_positions, row_bytes, places, c);
         break;
       case FrameColumn::Source::kJointVelocity:
-        copyDoubles(context.robots->jointVelocities(), row_bytes, places, c);
+        copyDoubles(context.joint_velocities, row_bytes, places, c);
         break;
       case FrameColumn::Source::kRobotStatus:
-        convertRows<std::uint8_t>(context.robots->status(), 1, places, c);
+        convertRows<std::uint8_t>(context.robot_status, 1, places, c);
         break;
     }
   }
