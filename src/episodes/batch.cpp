@@ -15,9 +15,7 @@ void checkCount(const char* name, std::int64_t value) {
 
 std::vector<int> splitBatch(const Model& model, const SlicePlan& plan, int batch_size, int num_slices) {
   num_slices = std::min(num_slices, batch_size);
-  const std::optional<ServoLoopPlan> loops = plan.deviceLoops(model);
-  const SimulatorOptions options = plan.simulatorOptions(batch_size);
-  const MemoryPlan memory = loops ? ServoLoop::planMemory(model, options, *loops) : Simulator::plan(model, options);
+  const MemoryPlan memory = plan.memory(model, batch_size);
   const std::uint64_t bytes_per_instance = memory.bytes_per_instance * static_cast<std::uint64_t>(plan.num_sensors);
   const std::uint64_t available = model.device().info().memory;
   const std::uint64_t fixed = memory.bytes_fixed * static_cast<std::uint64_t>(num_slices);

@@ -99,6 +99,12 @@ std::optional<ServoLoopPlan> SlicePlan::deviceLoops(const Model& model) const {
   return plan;
 }
 
+MemoryPlan SlicePlan::memory(const Model& model, int num_instances) const {
+  const std::optional<ServoLoopPlan> device_loops = deviceLoops(model);
+  const SimulatorOptions options = simulatorOptions(num_instances);
+  return device_loops ? ServoLoop::planMemory(model, options, *device_loops) : Simulator::plan(model, options);
+}
+
 Slice::Slice(const Model& model, const SlicePlan& plan, int num_instances, EpisodeSink& sink, int first_instance)
     : sink_(sink), batch_(model, plan, num_instances, plan.deviceLoops(model)), controller_(plan.makeController(batch_, first_instance)) {
   for (int i = 0; i < num_instances; ++i) startNext(i);

@@ -29,6 +29,8 @@ struct SlicePlan : EpisodePlan {
   std::unique_ptr<Controller> makeController(EpisodeBatch& batch, int first_instance) const;
   // The loops that the device closes; empty where the host does.
   std::optional<ServoLoopPlan> deviceLoops(const Model& model) const;
+  // Memory of a batch of num_instances x num_sensors.
+  MemoryPlan memory(const Model& model, int num_instances) const;
 
   std::optional<ServoPlan> servos;  // servo scenes without policy only
   const Policy* policy = nullptr;

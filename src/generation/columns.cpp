@@ -8,7 +8,6 @@
 #include <string>
 
 #include "episodes/draw.h"
-#include "episodes/task_judge.h"
 #include "generation/grasp_columns.h"
 #include "generation/taxel_columns.h"
 #include "sensor/regions.h"
@@ -374,19 +373,6 @@ OutputOptions outputsOf(const Scene& scene) {
           .clean_contact_features = groups.contains("clean_contact_features"),
           .tactile_jacobian = groups.contains("tactile_jacobian"),
           .clean_tactile_jacobian = groups.contains("clean_tactile_jacobian")};
-}
-
-LoopOutputs loopOutputsOf(const Scene& scene) {
-  using Source = FrameColumn::Source;
-  LoopOutputs reads{.object_poses = false, .sensor_poses = false, .actions = false, .robot_status = false};
-  if (scene.task) reads = TaskJudge::kReads;
-  for (const FrameColumn& column : planColumns(scene).frame) {
-    reads.object_poses |= column.source == Source::kExactEdge || column.source == Source::kPose;
-    reads.sensor_poses |= column.source == Source::kSensorPose;
-    reads.actions |= column.source == Source::kAction || column.source == Source::kControllerAction;
-    reads.robot_status |= column.source == Source::kRobotStatus;
-  }
-  return reads;
 }
 
 std::size_t rowBytes(const Column& column) {

@@ -9,7 +9,6 @@
 
 #include "episodes/episode_sink.h"
 #include "simulation/feature_table.h"
-#include "simulation/servo_loop.h"
 #include "taxelsim/dataset.h"
 #include "taxelsim/scene.h"
 #include "taxelsim/simulator.h"
@@ -63,7 +62,5 @@ std::size_t rowBytes(const Column& column);
 
 // The simulator outputs that the columns need.
 OutputOptions outputsOf(const Scene& scene);
-// What the columns and the judge of the scene's task need of FrameContext.
-LoopOutputs loopOutputsOf(const Scene& scene);
 
 }  // namespace taxelsim

@@ -11,6 +11,7 @@
 #include "episodes/batch.h"
 #include "generation/generate_grasp.h"
 #include "generation/generate_loops.h"
+#include "generation/loop_outputs.h"
 #include "generation/open_shards.h"
 #include "generation/probe.h"
 #include "generation/shard_run.h"

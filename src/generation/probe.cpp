@@ -5,6 +5,7 @@
 
 #include "base/sha256.h"
 #include "episodes/probe.h"
+#include "generation/loop_outputs.h"
 #include "generation/recorder.h"
 #include "taxelsim/generate.h"
 

@@ -80,11 +80,11 @@ TactileServo limitedServo() {
 }
 
 // Controls both centres, one by rolling.
-TactileServo rollingServo() {
+TactileServo rollingServo(ServoFeature by_rolling = ServoFeature::kCenterY) {
   TactileServo servo;
   servo[ServoFeature::kCenterX] = loopOf(2);
   servo[ServoFeature::kCenterY] = loopOf(2);
-  servo[ServoFeature::kCenterY].rolling_radius = 0.01;
+  servo[by_rolling].rolling_radius = 0.01;
   servo[ServoFeature::kTotalForce] = loopOf(2);
   servo[ServoFeature::kTotalForce].reference = 2;
   return servo;
@@ -136,7 +136,7 @@ Scene sceneOf(std::vector<TactileServo> servos) {
 }
 
 TEST(DeviceServos, WholeContactInAnyBatch) {
-  const Scene scene = sceneOf({limitedServo(), rollingServo(), saturatedServo(), leavingServo()});
+  const Scene scene = sceneOf({limitedServo(), rollingServo(), rollingServo(ServoFeature::kCenterX), saturatedServo(), leavingServo()});
   expectSameBytes(scene, {{1, 1}, {7, 2}, {64, 1}, {64, 3}});
 }
 
