@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -22,7 +23,11 @@ struct Options {
   int num_instances = 4096;
   int num_ticks = 100;
   int num_threads = 0;
+  SlicePlan::Loops loops = SlicePlan::Loops::kFaster;
 };
+
+using Loops = SlicePlan::Loops;
+const std::map<std::string, Loops> kLoops{{"faster", Loops::kFaster}, {"host", Loops::kHost}, {"device", Loops::kDevice}};
 
 // Runs one episode in each instance; discards the frames.
 class NoSink : public EpisodeSink {
@@ -40,7 +45,7 @@ class NoSink : public EpisodeSink {
     num_touching_ = 0;
     for (const float force : view.total_force) num_touching_ += force > 0 ? 1 : 0;
     last_time_ = context.times[0];
-    for (const std::uint8_t status : context.robots->status()) num_held_back_ += status != 0 ? 1 : 0;
+    for (const std::uint8_t status : context.robot_status) num_held_back_ += status != 0 ? 1 : 0;
   }
   void end(int) override {}
 
@@ -115,7 +120,10 @@ nlohmann::ordered_json runRobot(const Model& model, Scene scene, const std::stri
   scene.robot = robot;
   scene.num_steps = options.num_ticks + kWarmUps;
   SlicePlan plan(scene, {.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false});
+  plan.sink_reads = {.object_poses = false, .sensor_poses = false, .actions = false, .robot_status = true};
   plan.host_threads = options.num_threads;
+  plan.loops = options.loops;
+  const bool on_device = plan.deviceLoops(model).has_value();
   NoSink sink(options.num_instances);
   std::vector<std::unique_ptr<Slice>> slices;
   slices.push_back(std::make_unique<Slice>(model, plan, options.num_instances, sink));
@@ -128,12 +136,13 @@ nlohmann::ordered_json runRobot(const Model& model, Scene scene, const std::stri
   // A loop without contact computes nothing, which would falsify the time.
   if (sink.numTouching() < options.num_instances / 2) throw Error(ErrorKind::kDevice, name + ": most instances have lost contact");
   std::printf(
-      "%-12s control period %7.2f ms, control %6.2f ms, %5.1f %% (median; %.1f to %.1f); %d in contact at the end, %.1f %% limited\n",
-      name.c_str(), 1e3 * summarise(ticks.period).median, 1e3 * summarise(ticks.control).median, 100 * summarise(ticks.share).median,
-      100 * summarise(ticks.share).min, 100 * summarise(ticks.share).max, sink.numTouching(),
+      "%-12s loops on the %s, control period %7.2f ms, control %6.2f ms, %5.1f %% (median; %.1f to %.1f); %d in contact at the end, "
+      "%.1f %% limited\n",
+      name.c_str(), on_device ? "device" : "host", 1e3 * summarise(ticks.period).median, 1e3 * summarise(ticks.control).median,
+      100 * summarise(ticks.share).median, 100 * summarise(ticks.share).min, 100 * summarise(ticks.share).max, sink.numTouching(),
       100.0 * static_cast<double>(sink.numHeldBack()) / number / options.num_instances);
   printTicks(name, ticks);
-  nlohmann::ordered_json result{{"robot", name}};
+  nlohmann::ordered_json result{{"robot", name}, {"loops", on_device ? "device" : "host"}};
   result.update(describe(ticks));
   return result;
 }
@@ -180,6 +189,9 @@ int main(int argc, char** argv) {
   app.add_option("--threads", options.num_threads, "Host threads that share the loops; 0: as the library chooses for the device")
       ->check(CLI::Range(0, 256))
       ->capture_default_str();
+  app.add_option("--loops", options.loops,
+                 "Where the loops of free-flying servos are closed: where it is faster, on the host, on the device")
+      ->transform(CLI::CheckedTransformer(taxelsim::bench::kLoops, CLI::ignore_case));
   app.add_option("--device", options.device, "Device, as for `taxelsim frame --device`");
   CLI11_PARSE(app, argc, argv);
   return taxelsim::bench::exitStatus([&] { return taxelsim::bench::run(options), 0; });

@@ -318,6 +318,8 @@ class Simulator {
   /// @endcond
 
  private:
+  friend struct SimulatorAccess;
+  explicit Simulator(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
 

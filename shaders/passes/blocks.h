@@ -35,6 +35,10 @@
 #define BLOCK_Cotangents BLOCK(Cotangents, float, cotangents[])                  // (n x t), per N
 #define BLOCK_ForceCotangents BLOCK(ForceCotangents, float, force_cotangents[])  // (n x t), per N: times the gains of the taxels
 
+#define BLOCK_Servos BLOCK(Servos, ServoRecord, servos[])
+#define BLOCK_Loop BLOCK(Loop, LoopRecord, servo_loop)
+#define BLOCK_LoopStarts BLOCK(LoopStarts, LoopStartRecord, loop_starts[])  // (n)
+
 // ---- a batch: between steps and between passes ----
 #define BLOCK_Candidates BLOCK(Candidates, CandidateRecord, candidates[])
 #define BLOCK_CandidateQuads BLOCK(CandidateQuads, uint, candidate_quads[])  // (n x kMaxCandidates)
@@ -65,6 +69,7 @@
 #define BLOCK_TaxelJacobian BLOCK(TaxelJacobian, float, taxel_jacobian[])    // (n x 6 x t), N/m and N/rad
 #define BLOCK_MaskedJacobian BLOCK(MaskedJacobian, float, masked_jacobian[])
 #define BLOCK_WrenchJacobian BLOCK(WrenchJacobian, float, wrench_jacobian[])  // (n x num_tiles x 6 x 6)
+#define BLOCK_LoopState BLOCK(LoopState, double, loop_state[])  // (kNumLoopState x n), passes/servo.h
 
 // ---- a batch: results ----
 #define BLOCK_Image BLOCK(Image, uint, image[])                         // (n x t), counts
@@ -77,6 +82,10 @@
 #define BLOCK_SpreadJacobian BLOCK(SpreadJacobian, float, spread_jacobian[])  // (n x 6 x t), N/m and N/rad
 #define BLOCK_TwistGradient BLOCK(TwistGradient, float, twist_gradient[])     // (n x 6), per m and per rad
 #define BLOCK_GainGradient BLOCK(GainGradient, float, gain_gradient[])        // (n x t)
+#define BLOCK_ObjectPoses BLOCK(ObjectPoses, double, object_poses[])          // (n x 7), X_SO: position, m, rotation w, x, y, z
+#define BLOCK_SensorPoses BLOCK(SensorPoses, double, sensor_poses[])          // (n x 7), X_WS likewise
+#define BLOCK_Actions BLOCK(Actions, double, actions[])                       // (n x 6), v, m/s, w, rad/s
+#define BLOCK_RobotStatuses BLOCK(RobotStatuses, uint, robot_status[])        // (n), flags of RobotStatus
 #define BLOCK_Problems BLOCK(Problems, uint, problems[])                      // (1): 1 where a driver ended a loop early
 
 // ---- host only: copied from, or bound in place of another block ----
@@ -85,6 +94,7 @@
 #define BLOCK_PastState BLOCK(PastState, uvec4, past_state[])  // State, to be fetched as texels
 #define BLOCK_CleanContactFeatures BLOCK(CleanContactFeatures, float, features[])
 #define BLOCK_CleanTactileJacobian BLOCK(CleanTactileJacobian, float, features[])  // with the wrench's after that of the features
+#define BLOCK_ServoFeatures BLOCK(ServoFeatures, float, servo_features[])  // Features or ContactFeatures
 
 // All of them, for the host.
 // clang-format off
@@ -95,6 +105,8 @@
   BLOCK_Planes BLOCK_Neighbours                                                                                 \
   BLOCK_Poses BLOCK_Motions BLOCK_Instances BLOCK_Step BLOCK_Loads BLOCK_Contacts BLOCK_NumContacts              \
   BLOCK_Cotangents BLOCK_ForceCotangents                                                                        \
+  BLOCK_Servos BLOCK_Loop BLOCK_LoopStarts BLOCK_LoopState                                                      \
+  BLOCK_ObjectPoses BLOCK_SensorPoses BLOCK_Actions BLOCK_RobotStatuses BLOCK_ServoFeatures                      \
   BLOCK_Candidates BLOCK_CandidateQuads BLOCK_Work BLOCK_WorkInstances                                          \
   BLOCK_State BLOCK_FrictionState BLOCK_LawState BLOCK_ContactNormal BLOCK_ContactShear BLOCK_ContactDepth       \
   BLOCK_TileResults BLOCK_Heights BLOCK_NodeCells BLOCK_Windows BLOCK_Layer BLOCK_Foundation BLOCK_TaxelStates BLOCK_ImageWindows BLOCK_AxisPlays \

@@ -9,6 +9,7 @@
 #include <glm/glm.hpp>
 namespace taxelsim::layout {
 using uint = std::uint32_t;
+using glm::dvec2;
 using glm::ivec4;
 using glm::uvec4;
 using glm::vec4;

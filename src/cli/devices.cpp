@@ -54,7 +54,7 @@ const char* nameOf(DeviceType type) {
 MemoryPlan planFor(const DeviceInfo& info, const Scene& scene) {
   const Model model(Device::open({.device = std::to_string(info.index)}), modelOptionsOf(scene));
   const SlicePlan run(scene, outputsOf(scene));
-  MemoryPlan plan = Simulator::plan(model, run.simulatorOptions(1));
+  MemoryPlan plan = run.memory(model, 1);
   const auto num_sensors = static_cast<std::uint64_t>(run.num_sensors);
   plan.bytes_per_instance *= num_sensors;
   plan.max_instances /= num_sensors;

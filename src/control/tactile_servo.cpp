@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/sin_cos.h"
 #include "base/vector3.h"
 #include "control/line_angle.h"
 #include "control/servo_fields.h"
@@ -326,8 +327,9 @@ TactileServoController::ContactState TactileServoController::contactState(const 
   }
   if (contact.confidence >= servo.min_confidence) {
     const double along = edgeDirection(servo, contact.angle);
-    contact.edge[0] = std::cos(along);
-    contact.edge[1] = std::sin(along);
+    const auto [sine, cosine] = sinCos(along);
+    contact.edge[0] = cosine;
+    contact.edge[1] = sine;
   }
   return contact;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/pose_inline.h"
+#include "base/sin_cos.h"
 #include "base/vector3.h"
 #include "taxelsim/pose.h"
 
@@ -35,8 +36,9 @@ inline Pose exponential(const Twist& twist, double dt) {
     c = 1.0 / 6 - t / 120 + t * t / 5040;
   } else {
     const double angle = std::sqrt(angle_squared);
-    const double sine = std::sin(angle / 2);
-    cosine = std::cos(angle / 2);
+    const SinCos half = sinCos(angle / 2);
+    const double sine = half.sine;
+    cosine = half.cosine;
     half_sinc = sine / angle;
     b = 2 * half_sinc * half_sinc;
     c = (angle - 2 * sine * cosine) / (angle_squared * angle);

@@ -13,9 +13,9 @@ void checkCount(const char* name, std::int64_t value) {
   if (value < 1) throw Error(ErrorKind::kInput, std::string(name) + ": " + std::to_string(value) + " found, at least 1 allowed");
 }
 
-std::vector<int> splitBatch(const Model& model, const EpisodePlan& plan, int batch_size, int num_slices) {
+std::vector<int> splitBatch(const Model& model, const SlicePlan& plan, int batch_size, int num_slices) {
   num_slices = std::min(num_slices, batch_size);
-  const MemoryPlan memory = Simulator::plan(model, plan.simulatorOptions(batch_size));
+  const MemoryPlan memory = plan.memory(model, batch_size);
   const std::uint64_t bytes_per_instance = memory.bytes_per_instance * static_cast<std::uint64_t>(plan.num_sensors);
   const std::uint64_t available = model.device().info().memory;
   const std::uint64_t fixed = memory.bytes_fixed * static_cast<std::uint64_t>(num_slices);

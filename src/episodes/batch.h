@@ -29,7 +29,7 @@ void checkCount(const char* name, std::int64_t value);
 
 // Splits batch_size (>= 1) instances into at most num_slices (>= 1) slices; returns their sizes, which differ by at most 1. Throws
 // Error(kInput) if all slices together do not fit into device memory.
-std::vector<int> splitBatch(const Model& model, const EpisodePlan& plan, int batch_size, int num_slices);
+std::vector<int> splitBatch(const Model& model, const SlicePlan& plan, int batch_size, int num_slices);
 
 // Runs the slices until no instance has an episode left. Calls after_frame with the statistics of each collected frame. When *stop (may be
 // null) becomes true, unfinished episodes are abandoned.

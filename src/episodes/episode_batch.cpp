@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "base/philox.h"
 #include "base/pose_inline.h"
@@ -20,9 +21,10 @@ namespace {
 
 }  // namespace
 
-EpisodeBatch::EpisodeBatch(const Model& model, const EpisodePlan& plan, int num_instances)
+EpisodeBatch::EpisodeBatch(const Model& model, const EpisodePlan& plan, int num_instances, const std::optional<ServoLoopPlan>& loops)
     : plan_(plan),
-      simulator_(model, plan.simulatorOptions(num_instances)),
+      simulator_(loops ? ServoLoop::makeSimulator(model, plan.simulatorOptions(num_instances), *loops)
+                       : Simulator(model, plan.simulatorOptions(num_instances))),
       robots_(plan.scene.robot, num_instances),
       team_(plan.host_threads > 0 ? plan.host_threads : hostThreads(model.device().info().type, num_instances)),
       ids_(num_instances * plan.num_sensors, kNoObject),
@@ -31,6 +33,7 @@ EpisodeBatch::EpisodeBatch(const Model& model, const EpisodePlan& plan, int num_
       computed_(num_instances * plan.num_sensors, 0),
       states_(num_instances),
       flags_(num_instances, 0),
+      changes_(num_instances, 0),
       episodes_(num_instances, 0),
       objects_(num_instances, 0),
       load_reached_(num_instances, 1),
@@ -45,13 +48,17 @@ EpisodeBatch::EpisodeBatch(const Model& model, const EpisodePlan& plan, int num_
       actions_(num_instances),
       by_joints_(num_instances, 0),
       joint_actions_(static_cast<std::size_t>(num_instances) * plan.num_joints),
-      start_forces_(num_instances, 0.0f) {}
+      start_forces_(num_instances, 0.0f) {
+  if (loops) loop_.emplace(simulator_);
+}
 
 void EpisodeBatch::stop(int i) {
   const int first = i * plan_.num_sensors;
   num_busy_ -= busy_[i];
   busy_[i] = active_[i] = control_due_[i] = by_joints_[i] = 0;
   robots_.reset(i, Pose{});
+  if (loop_) loop_->stop(i);
+  changes_[i] = kObjectChanged | kLoadChanged;
   loads_changed_ = true;
   loads_[first] = kPoseDriven;
   twists_[i] = actions_[i] = {};
@@ -119,7 +126,21 @@ void EpisodeBatch::setContacts(const ContactRecording& recording) {
   simulator_.setContacts(contacts_, offsets_);
 }
 
+void EpisodeBatch::setChangedInputs() {
+  for (int i = 0; i < numInstances(); ++i) {
+    const int changes = std::exchange(changes_[i], 0);
+    if (changes & kObjectChanged) simulator_.setObjects(i, std::span(&ids_[i], 1), std::span(&X_SO_[i], 1));
+    if (changes & kLoadChanged) simulator_.setLoad(i, loads_[i]);
+  }
+}
+
+void EpisodeBatch::read() {
+  frame_ = simulator_.read();
+  if (loop_) loop_->read();
+}
+
 void EpisodeBatch::setInputs() {
+  if (loop_) return setChangedInputs();
   if (plan_.scene.contact_points) return setContacts(*plan_.scene.contact_points);
   simulator_.setObjects(ids_, X_SO_);
   if (loads_changed_) simulator_.setLoads(loads_);
@@ -138,6 +159,7 @@ void EpisodeBatch::initialContact(int i) {
   X_SO_[first] = inSensor(i, X_WO_[i]);
   if (draw.load_driven) {
     loads_[first] = kPoseDriven;
+    changes_[i] |= kLoadChanged;
     loads_changed_ = true;
   }
   if (draw.object == kNoObject) return;
@@ -212,11 +234,14 @@ FrameContext EpisodeBatch::context() const {
   return {.active = active_,
           .times = times_,
           .num_sensors = plan_.num_sensors,
-          .X_SO = X_SO_,
+          .X_SO = loop_ ? loop_->X_SO() : X_SO_,
           .X_WO = X_WO_,
-          .actions = actions_,
-          .controller_actions = twists_,
-          .robots = &robots_};
+          .actions = loop_ ? loop_->actions() : actions_,
+          .controller_actions = loop_ ? loop_->actions() : twists_,
+          .X_WS = loop_ ? loop_->X_WS() : robots_.X_WS(),
+          .joint_positions = robots_.jointPositions(),
+          .joint_velocities = robots_.jointVelocities(),
+          .robot_status = loop_ ? loop_->status() : robots_.status()};
 }
 
 // Poses of the object in the sensors at the current frame, after the robot has moved.
@@ -304,7 +329,7 @@ void EpisodeBatch::nextFrame(int i) {
 }
 
 void EpisodeBatch::continueEpisode(int i) {
-  updatePoses(i);
+  if (!loop_) updatePoses(i);
   times_[i] = frame_numbers_[i] * plan_.dt;
 }
 
@@ -314,6 +339,7 @@ void EpisodeBatch::advance() {
 }
 
 void EpisodeBatch::moveRobots() {
+  if (loop_) return;
   robots_.command(actions_, joint_actions_, by_joints_, plan_.dt, team_);
 }
 

@@ -23,6 +23,7 @@
 #include "control/robots.h"
 #include "episodes/frame_context.h"
 #include "episodes/plan.h"
+#include "simulation/servo_loop.h"
 #include "taxelsim/simulator.h"
 #include "taxelsim/trajectory.h"
 
@@ -30,8 +31,9 @@ namespace taxelsim {
 
 class EpisodeBatch {
  public:
-  // All instances are idle. Throws what Simulator throws. `plan` must outlive this.
-  EpisodeBatch(const Model& model, const EpisodePlan& plan, int num_instances);
+  // All instances are idle. `loops`: the servos that command all instances, if the device closes their loops; then neither act() nor
+  // computeFirstFrames() may be called, and X_SO() and robots() stay at the start. Throws what Simulator throws. `plan` must outlive this.
+  EpisodeBatch(const Model& model, const EpisodePlan& plan, int num_instances, const std::optional<ServoLoopPlan>& loops = {});
 
   // Starts an episode on an instance: the next submitted frame is its first. `draw`: plan.drawer.draw(episode).
   void start(int i, std::uint64_t episode, const EpisodeDraw& draw);
@@ -45,7 +47,7 @@ class EpisodeBatch {
   // Submits the next frame; does not wait.
   void submit() { simulator_.step(plan_.dt); }
   // Waits for the submitted frame.
-  void read() { frame_ = simulator_.read(); }
+  void read();
   // Updates the episodes by the frame that was read; after it, the accessors describe that frame.
   void beginFrame();
 
@@ -70,6 +72,9 @@ class EpisodeBatch {
   // The two halves of advance(), in this order.
   void moveRobots();
   void moveObjects();
+
+  // The loops that the device closes; null if there are none.
+  ServoLoop* deviceLoop() { return loop_ ? &*loop_ : nullptr; }
 
   // Threads that share loops over the instances. The results do not depend on their number.
   ThreadTeam& team() { return team_; }
@@ -106,6 +111,8 @@ class EpisodeBatch {
     kMoves = 4,        // the object has a trajectory
     kActionNoise = 8,  // actions get noise
   };
+  // What the device has to be given before the next frame, as bits, where it closes the loops.
+  enum Change : std::uint8_t { kObjectChanged = 1, kLoadChanged = 2 };
   // State of the episode that an instance runs. Large, so that frames read it only where a flag says so.
   struct EpisodeState {
     EpisodeDraw draw;
@@ -114,6 +121,7 @@ class EpisodeBatch {
     std::optional<Trajectory> trajectory;  // of a moving object, from its initial contact
   };
 
+  void setChangedInputs();
   void setContacts(const ContactRecording& recording);
   bool has(int i, EpisodeFlag flag) const { return (flags_[i] & flag) != 0; }
   Pose inSensor(int i, const Pose& X_NO) const;
@@ -128,6 +136,7 @@ class EpisodeBatch {
 
   const EpisodePlan& plan_;
   Simulator simulator_;
+  std::optional<ServoLoop> loop_;
   Robots robots_;
   ThreadTeam team_;
   FrameView frame_;
@@ -144,7 +153,8 @@ class EpisodeBatch {
 
   // (num_instances)
   std::vector<EpisodeState> states_;
-  std::vector<std::uint8_t> flags_;  // bits of EpisodeFlag
+  std::vector<std::uint8_t> flags_;    // bits of EpisodeFlag
+  std::vector<std::uint8_t> changes_;  // bits of Change
   std::vector<std::uint64_t> episodes_;
   std::vector<int> objects_;
   std::vector<std::uint8_t> load_reached_;

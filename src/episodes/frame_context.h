@@ -5,7 +5,6 @@
 #include <span>
 
 #include "base/thread_team.h"
-#include "control/robots.h"
 #include "scene/skin_ranges.h"
 #include "taxelsim/simulator.h"
 
@@ -28,17 +27,20 @@ struct EpisodeRecord {
 };
 
 // State of a frame in addition to the outputs of the simulator. Arrays have shape (num_instances) unless noted; the simulator's outputs
-// have num_sensors rows per instance.
+// have num_sensors rows per instance. Poses, actions and status are empty if the sink does not read them (SlicePlan::sink_reads).
 struct FrameContext {
   std::span<const std::uint8_t> active;  // 0: the instance is idle, and its rows are undefined
   std::span<const double> times;         // s, since the start of the episode
   int num_sensors = 1;                   // per instance; sensor 0 is the one in the control loop
   std::span<const Pose> X_SO;            // (num_instances x num_sensors)
   std::span<const Pose> X_WO;
-  std::span<const Twist> actions;             // twist of the sensor frame commanded to the robot after this frame
-  std::span<const Twist> controller_actions;  // the same before action noise
-  const Robots* robots = nullptr;
-  ThreadTeam* team = nullptr;  // threads that may share loops over the instances; null: there are none
+  std::span<const Twist> actions;              // twist of the sensor frame commanded to the robot after this frame
+  std::span<const Twist> controller_actions;   // the same before action noise
+  std::span<const Pose> X_WS;                  // (num_instances x num_sensors)
+  std::span<const double> joint_positions;     // (num_instances x num_joints), rad or m
+  std::span<const double> joint_velocities;    // likewise, per s
+  std::span<const std::uint8_t> robot_status;  // flags of RobotStatus (control/robots.h), of the motion that led to the frame
+  ThreadTeam* team = nullptr;                  // threads that may share loops over the instances; null: there are none
 };
 
 }  // namespace taxelsim

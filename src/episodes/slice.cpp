@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "episodes/device_servos.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -78,14 +79,34 @@ SlicePlan::SlicePlan(const Scene& scene_to_run, const OutputOptions& sink_output
   }
 }
 
-std::unique_ptr<Controller> SlicePlan::makeController(int num_instances, int first_instance) const {
-  if (policy) return std::make_unique<PolicyController>(*policy, *this, num_instances, first_instance);
+std::unique_ptr<Controller> SlicePlan::makeController(EpisodeBatch& batch, int first_instance) const {
+  if (policy) return std::make_unique<PolicyController>(*policy, *this, batch.numInstances(), first_instance);
   if (!servos) return nullptr;
-  return std::make_unique<ServoController>(*servos, *this, num_instances);
+  if (ServoLoop* const loop = batch.deviceLoop()) return std::make_unique<DeviceServoController>(*servos, *this, *loop);
+  return std::make_unique<ServoController>(*servos, *this, batch.numInstances());
+}
+
+std::optional<ServoLoopPlan> SlicePlan::deviceLoops(const Model& model) const {
+  if (!(loops == Loops::kDevice ? ServoLoop::isSupported(model) : loops == Loops::kFaster && ServoLoop::isFaster(model))) return {};
+  if (!whyOnHost(*this).empty()) return {};
+  ServoLoopPlan plan{.servos = {},
+                     .dt = dt,
+                     .control_period = control_period,
+                     .starts_at_load = starts_at_load,
+                     .reads_contact_features = servos->needs_contact_features,
+                     .outputs = sink_reads};
+  for (const SceneController& controller : scene.controllers) plan.servos.push_back(controller.servo);
+  return plan;
+}
+
+MemoryPlan SlicePlan::memory(const Model& model, int num_instances) const {
+  const std::optional<ServoLoopPlan> device_loops = deviceLoops(model);
+  const SimulatorOptions options = simulatorOptions(num_instances);
+  return device_loops ? ServoLoop::planMemory(model, options, *device_loops) : Simulator::plan(model, options);
 }
 
 Slice::Slice(const Model& model, const SlicePlan& plan, int num_instances, EpisodeSink& sink, int first_instance)
-    : sink_(sink), batch_(model, plan, num_instances), controller_(plan.makeController(num_instances, first_instance)) {
+    : sink_(sink), batch_(model, plan, num_instances, plan.deviceLoops(model)), controller_(plan.makeController(batch_, first_instance)) {
   for (int i = 0; i < num_instances; ++i) startNext(i);
   batch_.prepare();
 }

@@ -25,11 +25,18 @@ struct SlicePlan : EpisodePlan {
   // in the scene.
   SlicePlan(const Scene& scene_to_run, const OutputOptions& sink_outputs, const Policy& policy_to_run);
 
-  // Null for scenes without controllers. first_instance: number of the slice's instance 0 in the whole batch.
-  std::unique_ptr<Controller> makeController(int num_instances, int first_instance) const;
+  // Null for scenes without controllers. first_instance: number of the slice's instance 0 in the whole batch. `batch` must outlive it.
+  std::unique_ptr<Controller> makeController(EpisodeBatch& batch, int first_instance) const;
+  // The loops that the device closes; empty where the host does.
+  std::optional<ServoLoopPlan> deviceLoops(const Model& model) const;
+  // Memory of a batch of num_instances x num_sensors.
+  MemoryPlan memory(const Model& model, int num_instances) const;
 
   std::optional<ServoPlan> servos;  // servo scenes without policy only
   const Policy* policy = nullptr;
+  LoopOutputs sink_reads;  // what the sinks read of FrameContext
+  // Where the loops of servos are closed. kDevice: on any device that can, as far as whyOnHost() (device_servos.h) gives no reason.
+  enum class Loops { kFaster, kHost, kDevice } loops = Loops::kFaster;
 };
 
 // Host work of one frame, s of processor time of the calling thread.

@@ -105,7 +105,7 @@ void TaskJudge::judgeFrame(const FrameView& view, const FrameContext& context, s
   if (had_contact && !contact_[i]) ++verdict.num_losses;
   verdict.peak_force = std::max(verdict.peak_force, static_cast<float>(force));
   if (view.saturated[row] > 0) verdict.saturated += 1.0f / static_cast<float>(plan_.num_frames);
-  verdict.robot |= context.robots->status()[i];
+  verdict.robot |= context.robot_status[i];
 
   const TrueEdge& true_edge = plan_.edges[static_cast<std::size_t>(verdict.object)];
   const ProjectedEdge edge = needs_edge_ ? true_edge.project(context.X_SO[row]) : ProjectedEdge{kUnknown, kUnknown, kUnknown};

@@ -11,6 +11,7 @@
 
 #include "episodes/frame_context.h"
 #include "episodes/plan.h"
+#include "simulation/servo_loop.h"
 #include "taxelsim/verdict.h"
 
 namespace taxelsim {
@@ -19,6 +20,9 @@ class TaskJudge {
  public:
   // `plan`, of a scene with a task, must outlive this.
   TaskJudge(const EpisodePlan& plan, int num_instances);
+
+  // What it reads of FrameContext.
+  static constexpr LoopOutputs kReads{.object_poses = true, .sensor_poses = false, .actions = false, .robot_status = true};
 
   // An episode starts on an instance; its frame 0 comes next.
   void begin(int instance, const EpisodeRecord& record);

@@ -72,6 +72,7 @@ void play(const Model& model, const Scene& scene, const Players& players, const 
     plans.emplace_back(scene, kNoOutputs, number);
     names.push_back(scene.controllers[static_cast<std::size_t>(number)].name);
   }
+  for (SlicePlan& plan : plans) plan.sink_reads = TaskJudge::kReads;
   const std::uint64_t num_episodes = players.episodes.size();
   const int batch_size = static_cast<int>(std::min<std::uint64_t>(static_cast<std::uint64_t>(options.batch_size), num_episodes));
 

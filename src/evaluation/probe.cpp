@@ -2,6 +2,7 @@
 
 #include "base/sha256.h"
 #include "episodes/probe.h"
+#include "episodes/task_judge.h"
 #include "evaluation/play.h"
 
 namespace taxelsim {
@@ -41,7 +42,8 @@ class ProbeSink : public EpisodeSink {
 }  // namespace
 
 std::string featureProbe(const Model& model, const Scene& scene) {
-  const SlicePlan plan(scene, kNoOutputs, 0);
+  SlicePlan plan(scene, kNoOutputs, 0);
+  plan.sink_reads = TaskJudge::kReads;
   ProbeSink sink;
   runProbe(model, plan, sink);
   return sink.hash();

@@ -34,11 +34,11 @@ void TraceSink::frame(const FrameView& view, const FrameContext& context) {
   trace_.center_of_pressure.push_back({center[0], center[1], center[2]});
   const std::span<const std::uint32_t> image = view.tactile_image.first(static_cast<std::size_t>(numTaxels(scene_.sensor)));
   trace_.tactile_image.insert(trace_.tactile_image.end(), image.begin(), image.end());
-  trace_.X_WS.push_back(context.robots->X_WS()[0]);
+  trace_.X_WS.push_back(context.X_WS[0]);
   trace_.X_WO.push_back(context.X_WO[0]);
-  const std::span<const double> joints = context.robots->jointPositions();
+  const std::span<const double> joints = context.joint_positions;
   trace_.joint_positions.insert(trace_.joint_positions.end(), joints.begin(), joints.end());
-  trace_.robot_status.push_back(context.robots->status()[0]);
+  trace_.robot_status.push_back(context.robot_status[0]);
 }
 
 }  // namespace taxelsim

@@ -11,6 +11,8 @@
 #include "base/processors.h"
 #include "episodes/batch.h"
 #include "generation/generate_grasp.h"
+#include "generation/generate_loops.h"
+#include "generation/loop_outputs.h"
 #include "generation/open_shards.h"
 #include "generation/probe.h"
 #include "generation/shard_run.h"
@@ -145,11 +147,18 @@ double openShardBytes(const Scene& scene, const GenerateOptions& options) {
 }
 
 GenerateResult generate(const Device& device, const Scene& scene, const std::filesystem::path& directory, const GenerateOptions& options) {
+  return generate(device, scene, directory, options, SlicePlan::Loops::kFaster);
+}
+
+GenerateResult generate(const Device& device, const Scene& scene, const std::filesystem::path& directory, const GenerateOptions& options,
+                        SlicePlan::Loops loops) {
   checkRun(scene, options);
   checkHostMemory(scene, options);
   if (scene.kind == Scene::Kind::kGrasp) return generateGrasp(device, scene, directory, manifestOf(scene, device, options), options);
   SlicePlan plan = options.policy ? SlicePlan(scene, outputsOf(scene), *options.policy) : SlicePlan(scene, outputsOf(scene));
   plan.device_clock = options.device_clock;
+  plan.sink_reads = loopOutputsOf(scene);
+  plan.loops = loops;
   Manifest manifest = manifestOf(scene, device, options);
   // Model and batch are checked before the directory is created.
   const Model model(device, modelOptionsOf(scene));

@@ -5,6 +5,7 @@
 
 #include "base/sha256.h"
 #include "episodes/probe.h"
+#include "generation/loop_outputs.h"
 #include "generation/recorder.h"
 #include "taxelsim/generate.h"
 
@@ -76,7 +77,8 @@ class ProbeSink : public EpisodeSink {
 }  // namespace
 
 std::string probeHash(const Model& model, const Scene& scene) {
-  const SlicePlan plan(scene, outputsOf(scene));
+  SlicePlan plan(scene, outputsOf(scene));
+  plan.sink_reads = loopOutputsOf(scene);
   const Recorder recorder(planColumns(scene), plan.edges);
   ProbeSink sink(scene, recorder);
   runProbe(model, plan, sink);

@@ -162,7 +162,7 @@ void Recorder::recordRange(const FrameView& frame, const FrameContext& context, 
         copyPoses(context.X_SO, static_cast<std::size_t>(context.num_sensors), range, c);
         break;
       case FrameColumn::Source::kSensorPose:
-        copyPoses(context.robots->X_WS(), static_cast<std::size_t>(context.num_sensors), range, c);
+        copyPoses(context.X_WS, static_cast<std::size_t>(context.num_sensors), range, c);
         break;
       case FrameColumn::Source::kAction:
         copyTwists(context.actions, range, c);
@@ -171,13 +171,13 @@ void Recorder::recordRange(const FrameView& frame, const FrameContext& context, 
         copyTwists(context.controller_actions, range, c);
         break;
       case FrameColumn::Source::kJointPosition:
-        copyDoubles(context.robots->jointPositions(), row_bytes, range, c);
+        copyDoubles(context.joint_positions, row_bytes, range, c);
         break;
       case FrameColumn::Source::kJointVelocity:
-        copyDoubles(context.robots->jointVelocities(), row_bytes, range, c);
+        copyDoubles(context.joint_velocities, row_bytes, range, c);
         break;
       case FrameColumn::Source::kRobotStatus:
-        convertRows<std::uint8_t>(context.robots->status(), 1, range, c);
+        convertRows<std::uint8_t>(context.robot_status, 1, range, c);
         break;
     }
   }

@@ -168,8 +168,10 @@ Context::Context(const DeviceOptions& options) : vulkan_(std::make_unique<Vulkan
   const float priority = 1;
   const vk::DeviceQueueCreateInfo queue({}, vulkan.queue_family, 1, &priority);
   vk::PhysicalDeviceFeatures features;
-  features.shaderInt64 = vulkan.physical.getFeatures().shaderInt64;
-  has_int64_ = features.shaderInt64 == VK_TRUE;
+  const vk::PhysicalDeviceFeatures available = vulkan.physical.getFeatures();
+  features.shaderInt64 = available.shaderInt64;
+  features.shaderFloat64 = available.shaderFloat64;
+  wide_numbers_ = {.integers = features.shaderInt64 == VK_TRUE, .floats = features.shaderFloat64 == VK_TRUE};
   checked("opening device " + info_.name, "", [&] {
     vulkan.device = vk::raii::Device(vulkan.physical, vk::DeviceCreateInfo({}, queue, {}, {}, &features));
     vulkan.queue = vulkan.device.getQueue(vulkan.queue_family, 0);

@@ -8,6 +8,12 @@
 
 namespace taxelsim::gpu {
 
+// Numbers of 64 bits that kernels may use.
+struct WideNumbers {
+  bool integers = false;
+  bool floats = false;
+};
+
 class Context {
  public:
   explicit Context(const DeviceOptions& options);
@@ -17,8 +23,7 @@ class Context {
 
   const DeviceInfo& info() const { return info_; }
 
-  // Whether kernels may use 64-bit integers.
-  bool hasInt64() const { return has_int64_; }
+  const WideNumbers& wideNumbers() const { return wide_numbers_; }
 
   // Writes the pipeline cache to disk if there are new pipelines and DeviceOptions::keep_kernels. Errors are logged only.
   void savePipelineCache();
@@ -32,7 +37,7 @@ class Context {
  private:
   std::unique_ptr<Vulkan> vulkan_;
   DeviceInfo info_;
-  bool has_int64_ = false;
+  WideNumbers wide_numbers_;
   bool keeps_kernels_ = true;
 };
 

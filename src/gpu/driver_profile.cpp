@@ -13,14 +13,15 @@
 namespace taxelsim::gpu {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, bool FastPaths::*>, 8> kNames{{{"pairs", &FastPaths::pairs},
+constexpr std::array<std::pair<std::string_view, bool FastPaths::*>, 9> kNames{{{"pairs", &FastPaths::pairs},
                                                                                 {"polyhedra", &FastPaths::polyhedra},
                                                                                 {"kinds", &FastPaths::kinds},
                                                                                 {"untouched", &FastPaths::untouched},
                                                                                 {"candidates", &FastPaths::candidates},
                                                                                 {"lockstep", &FastPaths::lockstep},
                                                                                 {"alone", &FastPaths::alone},
-                                                                                {"sequences", &FastPaths::sequences}}};
+                                                                                {"sequences", &FastPaths::sequences},
+                                                                                {"servo", &FastPaths::servo}}};
 
 // Two subgroups of 32 lanes, or one of 64.
 constexpr std::uint32_t kGpuWorkgroup = 64;
@@ -59,11 +60,11 @@ FastPaths fastPaths() {
   return paths;
 }
 
-DriverProfile::DriverProfile(const DeviceInfo& info, bool has_int64, const FastPaths& paths)
+DriverProfile::DriverProfile(const DeviceInfo& info, const WideNumbers& wide_numbers, const FastPaths& paths)
     : paths_(paths),
       vector_size_(info.driver.starts_with("llvmpipe ") ? info.subgroup_size : 0),
       is_software_(info.type == DeviceType::kCpu),
-      has_int64_(has_int64),
+      wide_numbers_(wide_numbers),
       has_own_memory_(info.type == DeviceType::kDiscrete) {}
 
 std::uint32_t DriverProfile::workgroupFor(std::uint64_t iterations) const {

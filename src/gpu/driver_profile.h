@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "gpu/context.h"
 #include "taxelsim/device.h"
 
 namespace taxelsim::gpu {
@@ -18,6 +19,7 @@ struct FastPaths {
   bool candidates = true;  // triangles of a slow mesh are culled once in several steps
   bool lockstep = true;    // no barriers in workgroups that are one vector of a software driver, and loads through texel buffers
   bool alone = true;       // one invocation per item of work instead of a team
+  bool servo = true;       // closed loops of free-flying servos on the device
   bool sequences = true;   // long sequences of tiles under fine meshes, of which a workgroup may leave some to a second dispatch
 };
 
@@ -36,7 +38,7 @@ inline constexpr std::uint64_t kMaxIterations = 20000;
 
 class DriverProfile {
  public:
-  DriverProfile(const DeviceInfo& info, bool has_int64, const FastPaths& paths);
+  DriverProfile(const DeviceInfo& info, const WideNumbers& wide_numbers, const FastPaths& paths);
 
   const FastPaths& paths() const { return paths_; }
 
@@ -63,7 +65,12 @@ class DriverProfile {
   bool prefersFewBarriers() const { return is_software_; }
 
   // Whether two words are better fetched as one integer of 64 bits.
-  bool prefers64BitLoads() const { return paths_.pairs && is_software_ && has_int64_; }
+  bool prefers64BitLoads() const { return paths_.pairs && is_software_ && wide_numbers_.integers; }
+
+  // Whether the device can close the loops of servos, with the host's bits.
+  bool canRunServos() const { return wide_numbers_.floats; }
+  // Whether it should. A software device would compute on the processors what the host computes there anyway.
+  bool prefersServosOnDevice() const { return paths_.servo && canRunServos() && !is_software_; }
 
   // The variant for workgroups of this size. A workgroup that is one vector of Mesa's software driver runs in lockstep. kNoneWaits:
   // invocations do not wait for each other, whatever the size.
@@ -77,7 +84,7 @@ class DriverProfile {
   FastPaths paths_;
   std::uint32_t vector_size_ = 0;  // lanes that run in lockstep; 0: unknown
   bool is_software_ = false;
-  bool has_int64_ = false;
+  WideNumbers wide_numbers_;
   bool has_own_memory_ = false;
 };
 

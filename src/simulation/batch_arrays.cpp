@@ -9,7 +9,7 @@ namespace {
 
 using Shape = const BatchShape&;
 using Count = std::uint64_t (*)(Shape);
-using IsRead = bool (*)(const OutputOptions&);
+using IsRead = bool (*)(const BatchOptions&);
 
 template <typename Block>
 constexpr BatchArray input(const char* name, Count count) {
@@ -36,7 +36,7 @@ constexpr BatchArray readAfter(unsigned read_after, BatchArray array) {
   return array;
 }
 
-constexpr bool always(const OutputOptions&) {
+constexpr bool always(const BatchOptions&) {
   return true;
 }
 
@@ -112,6 +112,14 @@ std::uint64_t gradientTaxels(Shape s) {
   return countIf(s.options.outputs.vjp, taxels(s));
 }
 
+std::uint64_t loopValues(Shape s, std::uint64_t count) {
+  return countIf(s.options.loop.has_value(), count);
+}
+template <bool LoopOutputs::*kOutput>
+bool isLoopOutput(const BatchOptions& o) {
+  return o.loop && (*o.loop).outputs.*kOutput;
+}
+
 constexpr BatchArray kArrays[] = {
     input<block::Poses>("poses", [](Shape s) { return countIf(!s.takesContacts(), slots(s)); }),
     input<block::Motions>("motions", [](Shape s) { return countIf(s.hasFriction(), slots(s)); }),
@@ -122,7 +130,11 @@ constexpr BatchArray kArrays[] = {
     perBatch(input<block::Step>("step", [](Shape) { return std::uint64_t{1}; })),
     input<block::Cotangents>("cotangents", gradientTaxels),
     input<block::ForceCotangents>("cotangents of forces", gradientTaxels),
+    perBatch(input<block::Servos>("servos", [](Shape s) { return s.options.loop ? std::uint64_t{s.options.loop->servos.size()} : 0; })),
+    perBatch(input<block::Loop>("loop", [](Shape s) { return loopValues(s, 1); })),
+    input<block::LoopStarts>("starts of loops", [](Shape s) { return loopValues(s, 1); }),
 
+    internal<block::LoopState>("state of loops", [](Shape s) { return loopValues(s, ServoInterface::kNumLoopState); }),
     internal<block::Candidates>("candidates", [](Shape s) { return countIf(s.keeps_candidates, 1); }),
     internal<block::CandidateQuads>("candidate quads", [](Shape s) { return countIf(s.keeps_candidates, layout::kMaxCandidates); }),
     internal<block::WorkInstances>("work lists",
@@ -168,34 +180,45 @@ constexpr BatchArray kArrays[] = {
 
     output<block::ContactDepth>(
         "penetration_depth", [](Shape s) { return countIf(s.options.outputs.penetration_depth, taxels(s)); },
-        [](const OutputOptions& o) { return o.penetration_depth; }),
+        [](const BatchOptions& o) { return o.outputs.penetration_depth; }),
     output<block::Image>("tactile_image", taxels, always),
-    output<block::SpreadNormal>("tactile_normal_force", taxels, [](const OutputOptions& o) { return o.tactile_normal_force; }),
+    output<block::SpreadNormal>("tactile_normal_force", taxels, [](const BatchOptions& o) { return o.outputs.tactile_normal_force; }),
     output<block::SpreadShear>(
         "tactile_shear_force",
         [](Shape s) { return countIf(s.options.outputs.tactile_shear_force || s.options.outputs.taxel_counts, 2 * taxels(s)); },
-        [](const OutputOptions& o) { return o.tactile_shear_force; }),
+        [](const BatchOptions& o) { return o.outputs.tactile_shear_force; }),
     output<block::TaxelCounts>(
         "taxel_counts", [](Shape s) { return countIf(s.options.outputs.taxel_counts, 3 * taxels(s)); },
-        [](const OutputOptions& o) { return o.taxel_counts; }),
+        [](const BatchOptions& o) { return o.outputs.taxel_counts; }),
     output<block::Features>(
         "features", [](Shape) { return std::uint64_t{layout::kNumFeatures}; }, always),
     output<block::ContactFeatures>(
         "contact_features", [](Shape s) { return countIf(s.options.outputs.contact_features, contactFeatures(s)); },
-        [](const OutputOptions& o) { return o.contact_features; }),
+        [](const BatchOptions& o) { return o.outputs.contact_features; }),
     output<block::CleanContactFeatures>(
         "clean_contact_features", [](Shape s) { return countIf(s.options.outputs.clean_contact_features, contactFeatures(s)); },
-        [](const OutputOptions& o) { return o.clean_contact_features; }),
+        [](const BatchOptions& o) { return o.outputs.clean_contact_features; }),
     output<block::TactileJacobian>(
         "tactile_jacobian", [](Shape s) { return countIf(s.options.outputs.tactile_jacobian, jacobianFeatures(s)); },
-        [](const OutputOptions& o) { return o.tactile_jacobian; }),
+        [](const BatchOptions& o) { return o.outputs.tactile_jacobian; }),
     output<block::CleanTactileJacobian>(
         "clean_tactile_jacobian",
         [](Shape s) { return countIf(s.options.outputs.clean_tactile_jacobian, jacobianFeatures(s) + layout::kNumWrenchJacobian); },
-        [](const OutputOptions& o) { return o.clean_tactile_jacobian; }),
+        [](const BatchOptions& o) { return o.outputs.clean_tactile_jacobian; }),
     output<block::SpreadJacobian>(
         "taxel_jacobian", [](Shape s) { return countIf(s.options.outputs.taxel_jacobian, 6 * taxels(s)); },
-        [](const OutputOptions& o) { return o.taxel_jacobian; }),
+        [](const BatchOptions& o) { return o.outputs.taxel_jacobian; }),
+    output<block::ObjectPoses>(
+        "poses of objects", [](Shape s) { return countIf(isLoopOutput<&LoopOutputs::object_poses>(s.options), 7); },
+        isLoopOutput<&LoopOutputs::object_poses>),
+    output<block::SensorPoses>(
+        "poses of sensors", [](Shape s) { return countIf(isLoopOutput<&LoopOutputs::sensor_poses>(s.options), 7); },
+        isLoopOutput<&LoopOutputs::sensor_poses>),
+    output<block::Actions>(
+        "actions", [](Shape s) { return countIf(isLoopOutput<&LoopOutputs::actions>(s.options), 6); }, isLoopOutput<&LoopOutputs::actions>),
+    output<block::RobotStatuses>(
+        "robot status", [](Shape s) { return countIf(isLoopOutput<&LoopOutputs::robot_status>(s.options), 1); },
+        isLoopOutput<&LoopOutputs::robot_status>),
     readAfter(kAfterGradient, output<block::TwistGradient>(
                                   "twist gradient", [](Shape s) { return countIf(s.options.outputs.vjp, 6); }, always)),
     readAfter(kAfterGradient, output<block::GainGradient>("gain gradient", gradientTaxels, always)),

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "gpu/buffer.h"
+#include "simulation/batch_options.h"
 #include "simulation/model_data.h"
 #include "taxelsim/simulator.h"
 
@@ -14,7 +15,7 @@ namespace taxelsim {
 // What the sizes depend on.
 struct BatchShape {
   const ModelData& model;
-  const SimulatorOptions& options;
+  const BatchOptions& options;
   bool keeps_candidates = false;  // between steps
 
   bool takesContacts() const { return options.max_contacts > 0; }
@@ -37,13 +38,13 @@ struct BatchArray {
   std::size_t element_bytes;
   std::uint64_t (*count)(const BatchShape&);  // elements per instance, or in all
   gpu::Domain domain;
-  bool (*is_read)(const OutputOptions&) = nullptr;  // whether the host reads it; nullptr: it stays on the device
+  bool (*is_read)(const BatchOptions&) = nullptr;  // whether the host reads it; nullptr: it stays on the device
   bool per_instance = true;
   unsigned read_after = kAfterFrame;  // bits of ReadAfter
 
   std::uint64_t bytes(const BatchShape& shape) const { return count(shape) * element_bytes; }
   bool isReadable() const { return is_read != nullptr; }
-  bool isRead(const OutputOptions& outputs, ReadAfter after) const { return isReadable() && (read_after & after) != 0 && is_read(outputs); }
+  bool isRead(const BatchOptions& options, ReadAfter after) const { return isReadable() && (read_after & after) != 0 && is_read(options); }
 };
 
 std::span<const BatchArray> batchArrays();

@@ -21,19 +21,19 @@ void BatchBuffers::bindTo(gpu::Bindings& bindings) const {
   for (const BatchArray& array : batchArrays()) bindings.bind(array.block_index, arrays_[array.block_index].device);
 }
 
-std::uint64_t BatchBuffers::bytesRead(const OutputOptions& outputs, ReadAfter after) const {
+std::uint64_t BatchBuffers::bytesRead(const BatchOptions& options, ReadAfter after) const {
   std::uint64_t bytes = 0;
   for (const BatchArray& array : batchArrays()) {
-    if (array.isRead(outputs, after)) bytes += arrays_[array.block_index].device.size();
+    if (array.isRead(options, after)) bytes += arrays_[array.block_index].device.size();
   }
   return bytes;
 }
 
-void BatchBuffers::recordReadback(gpu::Commands& commands, const OutputOptions& outputs, ReadAfter after) const {
+void BatchBuffers::recordReadback(gpu::Commands& commands, const BatchOptions& options, ReadAfter after) const {
   commands.barrier(gpu::Access::kKernel, gpu::Access::kCopy);
   for (const BatchArray& array : batchArrays()) {
     const Array& found = arrays_[array.block_index];
-    if (found.isCopied() && array.isRead(outputs, after)) commands.copy(found.device, found.readback, found.device.size());
+    if (found.isCopied() && array.isRead(options, after)) commands.copy(found.device, found.readback, found.device.size());
   }
   commands.barrier(gpu::Access::kCopy, gpu::Access::kHostRead);
   commands.barrier(gpu::Access::kKernel, gpu::Access::kHostRead);

@@ -30,10 +30,10 @@ class BatchBuffers {
   void bindTo(gpu::Bindings& bindings) const;
 
   // Bytes of the arrays that the host may read after such commands.
-  std::uint64_t bytesRead(const OutputOptions& outputs, ReadAfter after) const;
+  std::uint64_t bytesRead(const BatchOptions& options, ReadAfter after) const;
 
   // Copies to where the host reads them, as far as the host cannot read device memory.
-  void recordReadback(gpu::Commands& commands, const OutputOptions& outputs, ReadAfter after) const;
+  void recordReadback(gpu::Commands& commands, const BatchOptions& options, ReadAfter after) const;
 
  private:
   struct Array {

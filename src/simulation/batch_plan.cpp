@@ -104,14 +104,14 @@ void checkSource(const ModelData& model, const SimulatorOptions& options) {
 
 }  // namespace
 
-BatchShape shapeOf(const ModelData& model, const SimulatorOptions& options) {
+BatchShape shapeOf(const ModelData& model, const BatchOptions& options) {
   const BatchShape with_candidates{model, options, true};
   const bool can_keep = model.keeps_candidates && options.max_contacts == 0;
   if (can_keep && static_cast<std::uint64_t>(options.num_instances) <= roomFor(with_candidates)) return with_candidates;
   return {model, options, false};
 }
 
-MemoryPlan planBatch(const ModelData& model, const SimulatorOptions& options) {
+MemoryPlan planBatch(const ModelData& model, const BatchOptions& options) {
   MemoryPlan plan;
   plan.bytes_per_instance = instanceBytes(shapeOf(model, options)).total;
   plan.bytes_fixed = fixedBytes(model);
@@ -119,7 +119,7 @@ MemoryPlan planBatch(const ModelData& model, const SimulatorOptions& options) {
   return plan;
 }
 
-void checkBatchFits(const ModelData& model, const SimulatorOptions& options) {
+void checkBatchFits(const ModelData& model, const BatchOptions& options) {
   if (options.num_instances < 1) {
     throw Error(ErrorKind::kInput, "num_instances: " + std::to_string(options.num_instances) + " is not allowed: at least 1");
   }

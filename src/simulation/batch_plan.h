@@ -7,12 +7,12 @@
 
 namespace taxelsim {
 
-MemoryPlan planBatch(const ModelData& model, const SimulatorOptions& options);
+MemoryPlan planBatch(const ModelData& model, const BatchOptions& options);
 
 // The arrays of a batch: with candidates where it can keep them and there is room.
-BatchShape shapeOf(const ModelData& model, const SimulatorOptions& options);
+BatchShape shapeOf(const ModelData& model, const BatchOptions& options);
 
 // Throws Error(kInput) when an option is out of its range or the batch does not fit, with the size that does.
-void checkBatchFits(const ModelData& model, const SimulatorOptions& options);
+void checkBatchFits(const ModelData& model, const BatchOptions& options);
 
 }  // namespace taxelsim

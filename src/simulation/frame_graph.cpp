@@ -133,6 +133,20 @@ void recordImage(const Model::Impl& model, const BatchShape& shape, Recorder& re
   }
 }
 
+// Closed loops: the poses of the next frame.
+void recordLoop(const Model::Impl& model, const BatchShape& shape, const Recorder& recorder) {
+  if (!shape.options.loop) return;
+  const ServoLoopPlan& loop = *shape.options.loop;
+  model.servo.record(recorder, {.control_period = static_cast<std::uint32_t>(loop.control_period),
+                                .starts_at_load = loop.starts_at_load,
+                                .reads_contact_features = loop.reads_contact_features,
+                                .max_regions = static_cast<std::uint32_t>(shape.options.max_regions),
+                                .object_poses = loop.outputs.object_poses,
+                                .sensor_poses = loop.outputs.sensor_poses,
+                                .actions = loop.outputs.actions,
+                                .robot_status = loop.outputs.robot_status});
+}
+
 Recorder recorderOf(const Model::Impl& model, const BatchShape& shape, const BatchBuffers& buffers, gpu::Commands& commands) {
   Recorder recorder{commands, {}, static_cast<std::uint64_t>(shape.options.num_instances)};
   model.data.buffers.bindTo(recorder.bindings);
@@ -155,8 +169,9 @@ gpu::Commands recordFrame(const Model::Impl& model, const BatchShape& shape, con
   }
   commands.timestamp(1);
   recordImage(model, shape, recorder, kind);
+  recordLoop(model, shape, recorder);
   commands.timestamp(2);
-  buffers.recordReadback(commands, shape.options.outputs, kAfterFrame);
+  buffers.recordReadback(commands, shape.options, kAfterFrame);
   commands.end();
   return commands;
 }
@@ -166,7 +181,7 @@ gpu::Commands recordGradient(const Model::Impl& model, const BatchShape& shape, 
   const Recorder recorder = recorderOf(model, shape, buffers, commands);
   commands.barrier(gpu::Access::kHostWrite, gpu::Access::kKernel);
   model.tactile_jacobian.recordGradient(recorder, with_gains);
-  buffers.recordReadback(commands, shape.options.outputs, kAfterGradient);
+  buffers.recordReadback(commands, shape.options, kAfterGradient);
   commands.end();
   return commands;
 }

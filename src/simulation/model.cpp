@@ -16,7 +16,8 @@ Model::Impl::Impl(const Device& device, const ModelOptions& options, const Tunin
       load_search(data, image.sizes().pass.workgroup),
       contacts(data, image),
       contact_features(data, options),
-      tactile_jacobian(data, options) {
+      tactile_jacobian(data, options),
+      servo(data) {
   if (data.isLinked()) {
     linked_foundation.emplace(data, options);
   } else if (data.isPasternak()) {

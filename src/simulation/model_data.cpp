@@ -110,7 +110,7 @@ void ModelBuffers::bindTo(gpu::Bindings& bindings) const {
 
 ModelData::ModelData(const Device& opened, const ModelOptions& options)
     : device(opened),
-      profile(opened.info(), gpu::contextOf(opened).hasInt64(), gpu::fastPaths()),
+      profile(opened.info(), gpu::contextOf(opened).wideNumbers(), gpu::fastPaths()),
       sensor((checkSensor(options.sensor), options.sensor)),
       objects(options.objects),
       buffers(opened) {

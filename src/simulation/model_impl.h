@@ -13,6 +13,7 @@
 #include "simulation/passes/linked_foundation.h"
 #include "simulation/passes/load_search.h"
 #include "simulation/passes/pasternak.h"
+#include "simulation/passes/servo.h"
 #include "simulation/passes/tactile_jacobian.h"
 #include "simulation/passes/taxel_laws.h"
 #include "simulation/passes/three_axis.h"
@@ -41,6 +42,7 @@ struct Model::Impl {
   ContactsPass contacts;
   ContactFeaturePasses contact_features;
   TactileJacobianPasses tactile_jacobian;
+  ServoPass servo;
 };
 
 }  // namespace taxelsim

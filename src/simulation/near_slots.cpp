@@ -12,6 +12,8 @@ namespace {
 
 static_assert(kMaxSlots <= 8, "a slot is a bit of a byte");
 
+constexpr layout::PoseRecord kEmpty{{}, {}, {}, {kNoObject, 0, 0, 0}};
+
 Quaternion unitRotation(const Pose& X_SO) {
   const auto& [w, x, y, z] = X_SO.rotation;
   const double length = std::sqrt(w * w + x * x + y * y + z * z);
@@ -140,8 +142,12 @@ void NearSlots::placeAll(std::span<const int> ids, std::span<const Pose> X_SO) {
   }
 }
 
+layout::PoseRecord NearSlots::packOnly(std::size_t instance, float load) const {
+  const std::uint8_t is_packed = std::isnan(load) ? near_[instance] : occupied_[instance];
+  return is_packed != 0 ? placed_[instance] : kEmpty;
+}
+
 std::size_t NearSlots::pack(std::span<const float> loads, std::span<layout::PoseRecord> poses) {
-  constexpr layout::PoseRecord kEmpty{{}, {}, {}, {kNoObject, 0, 0, 0}};
   if (num_slots_ == 1) {
     for (std::size_t i = 0; i < near_.size(); ++i) {
       packed_[i] = std::isnan(loads[i]) ? near_[i] : occupied_[i];

@@ -18,6 +18,7 @@
 #include "simulation/frame_view.h"
 #include "simulation/model_access.h"
 #include "simulation/pack/pack_contacts.h"
+#include "simulation/simulator_access.h"
 #include "simulation/simulator_impl.h"
 #include "taxelsim/error.h"
 
@@ -60,9 +61,9 @@ float firstOrderStep(double dt, double time) {
 
 }  // namespace
 
-Simulator::Impl::Impl(const Model& shared_model, const SimulatorOptions& simulator_options)
+Simulator::Impl::Impl(const Model& shared_model, const BatchOptions& batch_options)
     : model(shared_model),
-      options((checkBatchFits(implOf(shared_model).data, simulator_options), simulator_options)),
+      options((checkBatchFits(implOf(shared_model).data, batch_options), batch_options)),
       buffers(shapeOf(data(), options)),
       keeps_candidates(shapeOf(data(), options).keeps_candidates),
       near(data(), takesContacts() ? 0 : static_cast<std::size_t>(options.num_instances), static_cast<std::size_t>(options.num_slots)) {
@@ -93,6 +94,7 @@ void Simulator::Impl::checkTakesContacts() const {
 
 void Simulator::Impl::place(std::size_t instance, std::size_t slot, int id, const Pose& X_SO) {
   near.place(instance, slot, id, X_SO);
+  if (options.loop) placed.push_back(instance);
   if (motions) motions->place(instance * static_cast<std::size_t>(options.num_slots) + slot, id, X_SO);
 }
 
@@ -172,13 +174,19 @@ layout::StepRecord Simulator::Impl::stepRecord(double dt, const Selection& selec
   return record;
 }
 
-Simulator::Simulator(const Model& model, const SimulatorOptions& options) : impl_(std::make_unique<Impl>(model, options)) {}
+Simulator::Simulator(const Model& model, const SimulatorOptions& options)
+    : Simulator(std::make_unique<Impl>(model, BatchOptions{options})) {}
+Simulator::Simulator(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Simulator::~Simulator() = default;
 Simulator::Simulator(Simulator&&) noexcept = default;
 Simulator& Simulator::operator=(Simulator&&) noexcept = default;
 
+Simulator SimulatorAccess::make(const Model& model, const BatchOptions& options) {
+  return Simulator(std::make_unique<Simulator::Impl>(model, options));
+}
+
 MemoryPlan Simulator::plan(const Model& model, const SimulatorOptions& options) {
-  return planBatch(implOf(model).data, options);
+  return planBatch(implOf(model).data, {options});
 }
 
 int Simulator::numInstances() const {

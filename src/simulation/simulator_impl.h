@@ -9,6 +9,7 @@
 
 #include "gpu/commands.h"
 #include "simulation/batch_buffers.h"
+#include "simulation/batch_options.h"
 #include "simulation/candidate_schedule.h"
 #include "simulation/clock.h"
 #include "simulation/frame_graph.h"
@@ -30,7 +31,7 @@ struct Selection {
 
 struct Simulator::Impl {
   // Throws Error(kInput) for options out of range and for a batch that does not fit.
-  Impl(const Model& shared_model, const SimulatorOptions& simulator_options);
+  Impl(const Model& shared_model, const BatchOptions& batch_options);
 
   // Throws Error(kInput), or std::logic_error before read() of the last step.
   void checkCanStep(double dt) const;
@@ -62,6 +63,8 @@ struct Simulator::Impl {
   std::size_t numSelected(const Selection& selection) const;
   // Which candidate passes the frame runs; `one_near`: no instance has several near objects.
   FrameKind::Candidates candidatesOf(const Selection& selection, bool any_load, bool one_near);
+  // Writes the poses that the host knows; returns how many an instance has. With closed loops the device has written the others.
+  std::size_t packPoses();
   // Both overloads of Simulator::step(). The selection must be valid.
   void step(double dt, const Selection& selection);
 
@@ -74,7 +77,7 @@ struct Simulator::Impl {
   void checkLoops() const;
 
   Model model;
-  SimulatorOptions options;
+  BatchOptions options;
   BatchBuffers buffers;
   // (num_instances): what the host reads of the records, because reading memory of a GPU that the host writes to is slow.
   std::vector<float> loads;  // N, or kPoseDriven
@@ -92,7 +95,8 @@ struct Simulator::Impl {
   bool keeping = false;         // in the frame that is running
   CandidateSchedule candidate_schedule;
   NearSlots near;
-  std::optional<Motions> motions;  // of a sensor with friction
+  std::vector<std::size_t> placed;  // with closed loops: instances whose object was set since the last step
+  std::optional<Motions> motions;   // of a sensor with friction
   std::array<std::optional<gpu::Commands>, 32> recorded;
   std::array<std::optional<gpu::Commands>, 2> recorded_gradients;  // without and with gains
   gpu::Commands* running = nullptr;

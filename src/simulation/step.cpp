@@ -67,10 +67,23 @@ bool Simulator::Impl::startFrames(double dt, const Selection& selection, std::si
   return any_load;
 }
 
+std::size_t Simulator::Impl::packPoses() {
+  if (takesContacts()) return 0;
+  const std::span<layout::PoseRecord> poses = buffers.input<block::Poses>();
+  if (options.loop) {
+    for (const std::size_t instance : placed) poses[instance] = near.packOnly(instance, loads[instance]);
+    traffic.bytes_to_device += placed.size() * sizeof(layout::PoseRecord);
+    placed.clear();
+    return 1;
+  }
+  const std::size_t num_near = near.pack(loads, poses);
+  traffic.bytes_to_device += clocks.size() * num_near * sizeof(layout::PoseRecord);
+  return num_near;
+}
+
 void Simulator::Impl::step(double dt, const Selection& selection) {
   layout::StepRecord step_record = stepRecord(dt, selection);
-  const std::size_t num_near = takesContacts() ? 0 : near.pack(loads, buffers.input<block::Poses>());
-  traffic.bytes_to_device += clocks.size() * num_near * sizeof(layout::PoseRecord);
+  const std::size_t num_near = packPoses();
   if (!takesContacts()) step_record.batch.y = static_cast<std::uint32_t>(num_near);
   const bool any_load = startFrames(dt, selection, num_near);
   if (any_load && (!data().layer || data().isLinked()) && !data().packed.searches_in_tile) {
@@ -89,7 +102,7 @@ void Simulator::Impl::step(double dt, const Selection& selection) {
 void Simulator::Impl::submit(gpu::Commands& list, ReadAfter after) {
   list.submit();
   ++traffic.num_submits;
-  traffic.bytes_from_device += buffers.bytesRead(options.outputs, after);
+  traffic.bytes_from_device += buffers.bytesRead(options, after);
 }
 
 void Simulator::Impl::checkCanStep(double dt) const {

@@ -67,10 +67,10 @@ class RecordingSink : public EpisodeSink {
                               .start_force = start_forces_,
                               .X_SO = context.X_SO,
                               .X_WO = context.X_WO,
-                              .X_WS = context.robots->X_WS(),
-                              .joint_positions = context.robots->jointPositions(),
-                              .joint_velocities = context.robots->jointVelocities(),
-                              .robot_status = context.robots->status()};
+                              .X_WS = context.X_WS,
+                              .joint_positions = context.joint_positions,
+                              .joint_velocities = context.joint_velocities,
+                              .robot_status = context.robot_status};
     for (std::size_t i = 0; i < episodes_.size(); ++i) {
       if (context.active[i]) recording_[episodes_[i]].push_back(bitsOf(all, i));
     }

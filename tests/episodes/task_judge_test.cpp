@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "control/robots.h"
 #include "episodes/example_scene.h"
 
 namespace taxelsim {
@@ -68,7 +69,10 @@ class Judged {
                         .X_WO = {},
                         .actions = {},
                         .controller_actions = {},
-                        .robots = &robots_});
+                        .X_WS = robots_.X_WS(),
+                        .joint_positions = robots_.jointPositions(),
+                        .joint_velocities = robots_.jointVelocities(),
+                        .robot_status = robots_.status()});
   }
 
   EpisodePlan plan_;

@@ -13,6 +13,7 @@
 #include <optional>
 #include <string>
 
+#include "control/robots.h"
 #include "episodes/example_scene.h"
 
 namespace taxelsim {
@@ -158,7 +159,10 @@ class RecorderTest : public ::testing::Test {
                        .X_WO = {},
                        .actions = twists_,
                        .controller_actions = {},
-                       .robots = &*robots_,
+                       .X_WS = robots_->X_WS(),
+                       .joint_positions = robots_->jointPositions(),
+                       .joint_velocities = robots_->jointVelocities(),
+                       .robot_status = robots_->status(),
                        .team = &team_},
                       places_);
   }

@@ -8,13 +8,15 @@ namespace {
 
 using gpu::DriverProfile;
 using gpu::FastPaths;
+using gpu::WideNumbers;
 
-DriverProfile profileOf(DeviceType type, const char* driver, const FastPaths& paths = {}, bool has_int64 = true) {
+DriverProfile profileOf(DeviceType type, const char* driver, const FastPaths& paths = {},
+                        const WideNumbers& wide_numbers = {.integers = true, .floats = true}) {
   DeviceInfo info;
   info.type = type;
   info.driver = driver;
   info.subgroup_size = 8;
-  return {info, has_int64, paths};
+  return {info, wide_numbers, paths};
 }
 
 const DriverProfile& lavapipe() {
@@ -58,8 +60,18 @@ TEST(DriverProfile, LockstepNeedsMesasSoftwareDriverAndOneVector) {
 TEST(DriverProfile, PlainPathsSwitchOffWhatTheyName) {
   EXPECT_TRUE(lavapipe().prefers64BitLoads());
   EXPECT_FALSE(profileOf(DeviceType::kCpu, "llvmpipe Mesa", {.pairs = false}).prefers64BitLoads());
-  EXPECT_FALSE(profileOf(DeviceType::kCpu, "llvmpipe Mesa", {}, false).prefers64BitLoads());
+  EXPECT_FALSE(profileOf(DeviceType::kCpu, "llvmpipe Mesa", {}, {.integers = false, .floats = true}).prefers64BitLoads());
   EXPECT_FALSE(profileOf(DeviceType::kCpu, "llvmpipe Mesa", {.alone = false}).prefersOneInvocationPerItem(1));
+}
+
+TEST(DriverProfile, ServosRunOnGpusWithWideFloats) {
+  EXPECT_TRUE(discreteGpu().prefersServosOnDevice());
+  EXPECT_TRUE(lavapipe().canRunServos());
+  EXPECT_FALSE(lavapipe().prefersServosOnDevice());
+  EXPECT_FALSE(profileOf(DeviceType::kDiscrete, "a GPU's driver", {.servo = false}).prefersServosOnDevice());
+  const DriverProfile narrow = profileOf(DeviceType::kDiscrete, "a GPU's driver", {}, {.integers = true, .floats = false});
+  EXPECT_FALSE(narrow.canRunServos());
+  EXPECT_FALSE(narrow.prefersServosOnDevice());
 }
 
 TEST(DriverProfile, OnlyDiscreteGpusCopyResults) {

@@ -273,7 +273,7 @@ TEST(FasterPathsOnEveryDriver, RejectsAnUnknownName) {
     EXPECT_EQ(error.kind(), ErrorKind::kInput);
     EXPECT_STREQ(
         error.what(),
-        "TAXELSIM_PLAIN: \"pears\" is not allowed: pairs, polyhedra, kinds, untouched, candidates, lockstep, alone, sequences, all");
+        "TAXELSIM_PLAIN: \"pears\" is not allowed: pairs, polyhedra, kinds, untouched, candidates, lockstep, alone, sequences, servo, all");
   }
 }
 

@@ -10,6 +10,7 @@
 #include "shared/linked_foundation.h"
 #include "shared/objects.h"
 #include "shared/sensor.h"
+#include "shared/servo.h"
 
 namespace taxelsim::block {
 

@@ -102,6 +102,10 @@ struct ForceGradientInterface {
 #include "passes/force_gradient.h"
 };
 
+struct ServoInterface {
+#include "passes/servo.h"
+};
+
 #undef CONSTANT
 #undef VALUE
 #undef BUFFER

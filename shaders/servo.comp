@@ -1,0 +1,52 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Closed loop of free-flying tactile servos: features of this frame -> twist -> pose of the sensor -> pose of the object for the next frame.
+//
+// An invocation owns an instance.
+// In:  starts (num_instances), servos, the features of the frame: features, and servo_features, which is the same array or contact features.
+// Out: poses (num_instances) of the next frame; object_poses and sensor_poses of this frame (num_instances x 7: position, rotation w, x, y,
+//      z), actions (num_instances x 6: v, w) after it, robot_status of the motion before it. Rows of instances without an episode stay as
+//      they are.
+// State: loop_state (kNumLoopState x num_instances). The first frame of an episode needs none.
+// Shared memory: none.
+// All arithmetic up to the pose record is in double precision, with the bits of the host's: twin src/episodes/servo_controller.cpp,
+// src/control/robots.cpp, src/episodes/episode_batch.cpp, src/simulation/near_slots.cpp.
+
+#include "shared/features.h"
+#include "shared/servo.h"
+#include "passes/declare.glsl"
+#include "passes/servo.h"
+
+#include "common/workgroup.glsl"
+#include "common/instances.glsl"
+#include "servo/sin_cos.glsl"
+#include "servo/poses.glsl"
+#include "servo/controller.glsl"
+#include "servo/instance.glsl"
+#include "servo/pose_record.glsl"
+
+void main() {
+  uint i = workgroupNumber() * WORKGROUP + gl_LocalInvocationIndex;
+  if (!isProcessed(i) || loop_starts[i].keys.x == 0) return;
+  uint frame = instances[i].clock.x;
+  if (frame == 0) startEpisode(i);
+  Pose X_WS = readSensorPose(i), X_WO = objectInWorld(i);
+  if (OBJECT_POSES) {
+    Pose X_SO = frame == 0 ? X_WO : relative(X_WS, X_WO);
+    for (uint k = 0; k < 7; ++k) object_poses[7 * i + k] = numberOf(X_SO, k);
+  }
+  if (SENSOR_POSES) {
+    for (uint k = 0; k < 7; ++k) sensor_poses[7 * i + k] = numberOf(X_WS, k);
+  }
+  if (ROBOT_STATUS) robot_status[i] = uint(readState(i, kStateStatus));
+  if (frame % CONTROL_PERIOD == 0) actOnFeatures(i);
+  Twist twist = readTwist(i);
+  if (ACTIONS) {
+    for (uint k = 0; k < 3; ++k) {
+      actions[6 * i + k] = twist.v[k];
+      actions[6 * i + 3 + k] = twist.w[k];
+    }
+  }
+  X_WS = moveSensor(i, X_WS, twist);
+  poses[i] = poseRecord(loop_starts[i].keys.z, relative(X_WS, X_WO));
+}

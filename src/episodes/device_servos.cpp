@@ -1,0 +1,71 @@
+#include "episodes/device_servos.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/sin_cos.h"
+#include "scene/skin_ranges.h"
+#include "sensor/skin.h"
+
+namespace taxelsim {
+namespace {
+
+bool isZero(const Range& range) {
+  return range.min == 0 && range.max == 0;
+}
+
+std::string_view whyOnHost(const TactileServo& servo, double dt) {
+  if (servo.jacobian != TactileJacobianSource::kNominal) return "a servo inverts the measured Jacobian";
+  if (servo.edge_angle_source == EdgeAngleSource::kExact) return "a servo reads the exact edge angle";
+  // Bounds of what the device reduces: differences of line angles, and half the rotation of a step.
+  if (std::abs(servo[ServoFeature::kEdgeAngle].reference.value_or(0)) > std::numbers::pi / 2) return "a reference angle is too large";
+  if (!(servo.max_angular_velocity * dt <= kLargestReducedAngle)) return "a servo may rotate too far in a step";
+  return {};
+}
+
+}  // namespace
+
+std::string_view whyOnHost(const SlicePlan& plan) {
+  const Scene& scene = plan.scene;
+  if (!plan.servos) return "the scene's servos do not command";
+  if (!std::holds_alternative<FreeFlying>(scene.robot)) return "the robot is not free-flying";
+  if (scene.contact_points) return "contact points are recorded";
+  if (scene.objects.empty()) return "no objects";
+  if (std::any_of(scene.objects.begin(), scene.objects.end(), [](const SceneObject& object) { return object.motion.has_value(); })) {
+    return "an object moves";
+  }
+  if (hasFriction(scene.sensor.skin)) return "the skin has friction";
+  if (foundationOf(scene.sensor.skin).normal_exponent != 1) return "the skin's pressure is not proportional to depth";
+  if (!isZero(scene.randomization.linear_action_noise) || !isZero(scene.randomization.angular_action_noise)) return "actions have noise";
+  if (variesMounting(scene.randomization)) return "the mounting varies";
+  for (int c = 0; c < static_cast<int>(scene.controllers.size()); ++c) {
+    if (plan.servos->servo && *plan.servos->servo != c) continue;
+    const std::string_view why = whyOnHost(scene.controllers[static_cast<std::size_t>(c)].servo, plan.dt);
+    if (!why.empty()) return why;
+  }
+  return {};
+}
+
+DeviceServoController::DeviceServoController(const ServoPlan& servos, const EpisodePlan& episodes, ServoLoop& loop)
+    : servos_(servos), scene_(episodes.scene), loop_(loop), starts_(static_cast<std::size_t>(loop.numInstances())) {}
+
+void DeviceServoController::start(int instance, const EpisodeDraw& draw) {
+  const int servo = servos_.servo.value_or(draw.controller);
+  LoopStart& start = starts_[static_cast<std::size_t>(instance)];
+  start = {.object = draw.object,
+           .X_WO = draw.X_SO,
+           .servo = servo,
+           .exploration_velocity =
+               draw.exploration_velocity.value_or(scene_.controllers[static_cast<std::size_t>(servo)].servo.exploration_velocity),
+           .start_force = draw.load};
+  loop_.start(instance, start);
+}
+
+void DeviceServoController::describe(int instance, EpisodeRecord& record) const {
+  const LoopStart& start = starts_[static_cast<std::size_t>(instance)];
+  record.controller = start.servo;
+  record.exploration_velocity = static_cast<float>(start.exploration_velocity);
+}
+
+}  // namespace taxelsim

@@ -1,0 +1,21 @@
+#include "generation/loop_outputs.h"
+
+#include "episodes/task_judge.h"
+#include "generation/columns.h"
+
+namespace taxelsim {
+
+LoopOutputs loopOutputsOf(const Scene& scene) {
+  using Source = FrameColumn::Source;
+  LoopOutputs reads{.object_poses = false, .sensor_poses = false, .actions = false, .robot_status = false};
+  if (scene.task) reads = TaskJudge::kReads;
+  for (const FrameColumn& column : planColumns(scene).frame) {
+    reads.object_poses |= column.source == Source::kExactEdge || column.source == Source::kPose;
+    reads.sensor_poses |= column.source == Source::kSensorPose;
+    reads.actions |= column.source == Source::kAction || column.source == Source::kControllerAction;
+    reads.robot_status |= column.source == Source::kRobotStatus;
+  }
+  return reads;
+}
+
+}  // namespace taxelsim

@@ -1,0 +1,125 @@
+#include "simulation/servo_loop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sensor/skin.h"
+#include "simulation/batch_plan.h"
+#include "simulation/simulator_access.h"
+#include "simulation/simulator_impl.h"
+
+namespace taxelsim {
+namespace {
+
+layout::FeatureLoopRecord packLoop(const FeatureLoop& loop) {
+  return {.gains = {loop.kp, loop.ki},
+          .error = {loop.reference.value_or(0), loop.error_limit},
+          .integral = {loop.integral_limit, loop.rolling_radius},
+          .change = {loop.kd, loop.derivative_limit}};
+}
+
+layout::ServoRecord packServo(const TactileServo& servo) {
+  layout::ServoRecord record{};
+  for (unsigned f = 0; f < kNumServoFeatures; ++f) {
+    const FeatureLoop& loop = servo.loops[f];
+    record.loops[f] = packLoop(loop);
+    if (loop.selected) record.flags.x |= 1u << f;
+    if (loop.reference) record.flags.y |= 1u << f;
+  }
+  record.exploration = {std::cos(servo.exploration_direction), std::sin(servo.exploration_direction)};
+  record.limits = {servo.max_linear_velocity, servo.max_angular_velocity};
+  record.confidence = {servo.min_confidence, 0.0};
+  if (servo.edge_angle_source == EdgeAngleSource::kWindow) record.flags.z |= layout::kServoFlagWindow;
+  if (servo.edge_angle_source == EdgeAngleSource::kRidge) record.flags.z |= layout::kServoFlagRidge;
+  if (servo.contact == ServoContact::kLargestRegion) record.flags.z |= layout::kServoFlagRegion;
+  return record;
+}
+
+layout::LoopRecord packLoops(const ServoLoopPlan& plan, const Sensor& sensor, const NearSlots& near) {
+  double taxel_area = std::numeric_limits<double>::infinity();
+  for (const GridPatch& patch : sensor.patches) taxel_area = std::min(taxel_area, patch.pitch[0] * patch.pitch[1]);
+  const Vector3 center = arrayMiddle(sensor);
+  const NearSlots::SkinBase base = near.skinBase();
+  return {.time = {plan.dt, plan.control_period * plan.dt},
+          .skin = {foundationOf(sensor.skin).normal_contact_stiffness, taxel_area},
+          .array_center = {center[0], center[1]},
+          .behind = glm::vec4(base.normal, base.lowest),
+          .origin = {base.origin, 0, 0, 0}};
+}
+
+static_assert(sizeof(Pose) == 7 * sizeof(double) && sizeof(Twist) == 6 * sizeof(double), "laid out like the arrays of the device");
+
+template <typename Block, typename T>
+std::span<const T> rowsOf(const Simulator::Impl& simulator, bool is_output) {
+  if (!is_output) return {};
+  const auto* const first = reinterpret_cast<const T*>(simulator.buffers.output<Block>().data());
+  return {first, static_cast<std::size_t>(simulator.options.num_instances)};
+}
+
+}  // namespace
+
+bool ServoLoop::isSupported(const Model& model) {
+  return implOf(model).data.profile.canRunServos();
+}
+
+bool ServoLoop::isFaster(const Model& model) {
+  return implOf(model).data.profile.prefersServosOnDevice();
+}
+
+Simulator ServoLoop::makeSimulator(const Model& model, const SimulatorOptions& options, const ServoLoopPlan& plan) {
+  Simulator simulator = SimulatorAccess::make(model, {options, plan});
+  Simulator::Impl& impl = SimulatorAccess::impl(simulator);
+  const std::span<layout::ServoRecord> records = impl.buffers.input<block::Servos>();
+  std::transform(plan.servos.begin(), plan.servos.end(), records.begin(), packServo);
+  impl.buffers.input<block::Loop>()[0] = packLoops(plan, model.sensor(), impl.near);
+  impl.traffic.bytes_to_device += records.size_bytes() + sizeof(layout::LoopRecord);
+  return simulator;
+}
+
+MemoryPlan ServoLoop::planMemory(const Model& model, const SimulatorOptions& options, const ServoLoopPlan& plan) {
+  return planBatch(implOf(model).data, {options, plan});
+}
+
+ServoLoop::ServoLoop(Simulator& simulator)
+    : simulator_(SimulatorAccess::impl(simulator)),
+      num_instances_(simulator.numInstances()),
+      status_(simulator_.options.loop->outputs.robot_status ? static_cast<std::size_t>(num_instances_) : 0) {}
+
+void ServoLoop::start(int instance, const LoopStart& start) {
+  const auto& [p, q] = start.X_WO;
+  layout::LoopStartRecord record{};
+  record.X_WO[0] = {p[0], p[1]};
+  record.X_WO[1] = {p[2], q[0]};
+  record.X_WO[2] = {q[1], q[2]};
+  record.X_WO[3] = {q[3], start.exploration_velocity};
+  record.start_force.x = start.start_force;
+  record.keys = {1u, static_cast<std::uint32_t>(start.servo), static_cast<std::uint32_t>(start.object), 0u};
+  simulator_.buffers.input<block::LoopStarts>()[static_cast<std::size_t>(instance)] = record;
+  simulator_.traffic.bytes_to_device += sizeof(record);
+}
+
+void ServoLoop::stop(int instance) {
+  simulator_.buffers.input<block::LoopStarts>()[static_cast<std::size_t>(instance)].keys.x = 0;
+  simulator_.traffic.bytes_to_device += sizeof(std::uint32_t);
+}
+
+std::span<const Pose> ServoLoop::X_SO() const {
+  return rowsOf<block::ObjectPoses, Pose>(simulator_, simulator_.options.loop->outputs.object_poses);
+}
+
+std::span<const Pose> ServoLoop::X_WS() const {
+  return rowsOf<block::SensorPoses, Pose>(simulator_, simulator_.options.loop->outputs.sensor_poses);
+}
+
+std::span<const Twist> ServoLoop::actions() const {
+  return rowsOf<block::Actions, Twist>(simulator_, simulator_.options.loop->outputs.actions);
+}
+
+void ServoLoop::read() {
+  if (status_.empty()) return;
+  const std::span<const std::uint32_t> words = simulator_.buffers.output<block::RobotStatuses>().first(status_.size());
+  std::transform(words.begin(), words.end(), status_.begin(), [](std::uint32_t word) { return static_cast<std::uint8_t>(word); });
+}
+
+}  // namespace taxelsim
