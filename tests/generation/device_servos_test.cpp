@@ -118,8 +118,9 @@ TactileServo servoOf(EdgeAngleSource source, ServoContact contact) {
   return servo;
 }
 
-TactileServo tiltServo() {
+TactileServo tiltServo(double min_confidence) {
   TactileServo servo = edgeServo();
+  servo.min_confidence = min_confidence;
   servo[ServoFeature::kTiltX] = loopOf(2);
   servo[ServoFeature::kTiltY] = loopOf(2);
   return servo;
@@ -140,13 +141,26 @@ TEST(DeviceServos, WholeContactInAnyBatch) {
   expectSameBytes(scene, {{1, 1}, {7, 2}, {64, 1}, {64, 3}});
 }
 
-TEST(DeviceServos, ContactFeaturesAndRegions) {
-  Scene scene = sceneOf({servoOf(EdgeAngleSource::kWindow, ServoContact::kWhole), servoOf(EdgeAngleSource::kRidge, ServoContact::kWhole),
-                         servoOf(EdgeAngleSource::kPrincipalAxis, ServoContact::kLargestRegion), tiltServo(), limitedServo()});
-  scene.objects.push_back({Object("plate", Box{.size = {0.02, 0.03, 0.02}}), 2, {1, 0, 0, 0}});
+TEST(DeviceServos, ContactFeatures) {
+  Scene scene = sceneOf(
+      {servoOf(EdgeAngleSource::kWindow, ServoContact::kWhole), servoOf(EdgeAngleSource::kRidge, ServoContact::kWhole), limitedServo()});
   expectSameBytes(scene);
   scene.record.emplace_back("contact_features");
   scene.max_regions = 2;
+  expectSameBytes(scene);
+}
+
+// A ring crosses the array twice.
+TEST(DeviceServos, LargestRegion) {
+  Scene scene = sceneOf({servoOf(EdgeAngleSource::kPrincipalAxis, ServoContact::kLargestRegion)});
+  scene.objects = {{Object("ring", Torus{.major_radius = 0.015, .minor_radius = 0.003}), 1, {1, 0, 0, 0}}};
+  expectSameBytes(scene);
+}
+
+TEST(DeviceServos, Tilt) {
+  Scene scene = sceneOf({tiltServo(0.2), tiltServo(0.8), tiltServo(0.95)});
+  scene.objects = {{Object("plate", Box{.size = {0.02, 0.03, 0.02}}), 1, {1, 0, 0, 0}}};
+  scene.randomization.tilt = {0, 0.02};
   expectSameBytes(scene);
 }
 
@@ -158,6 +172,37 @@ TEST(DeviceServos, DepthDrivenStartsAndLostContact) {
   scene.num_steps = 60;
   scene.task = Task{.hold = 0.1};
   (*scene.task)[TaskMeasure::kTotalForce] = TaskCriterion{.tolerance = 0.5};
+  expectSameBytes(scene);
+}
+
+// The stiffness of a contact of one taxel is that of its pitch area, not of the contact area, which is less by the rounding to float32.
+TEST(DeviceServos, ContactsOfOneTaxel) {
+  Scene scene = sceneOf({limitedServo(), rollingServo()});
+  scene.sensor.patches[0].pitch = {3.2e-3, 3.2e-3};
+  scene.objects = {{Object("pin", Sphere{.radius = 1e-3}), 1, {1, 0, 0, 0}}};
+  scene.randomization.load = Range{0.05, 0.12};
+  scene.sensor.readout.noise = 0;
+  expectSameBytes(scene);
+}
+
+// Patches of different pitch, one of which is tilted: the load search runs over tiles, and the force of the first frame is no load.
+TEST(DeviceServos, SeveralPatches) {
+  Scene scene = sceneOf({limitedServo(), servoOf(EdgeAngleSource::kWindow, ServoContact::kLargestRegion)});
+  scene.sensor.patches.push_back({.name = "side",
+                                  .num_rows = 6,
+                                  .num_cols = 5,
+                                  .pitch = {2e-3, 3e-3},
+                                  .X_SP = {{0, 0.033, -0.001}, axisAngle({1, 0, 0}, -10 * kDegree)}});
+  scene.randomization.y = {0.01, 0.02};
+  expectSameBytes(scene);
+}
+
+// A force out of reach drives the sensor through the object, which then presses on nothing.
+TEST(DeviceServos, ObjectsBehindTheSkin) {
+  TactileServo servo;
+  servo[ServoFeature::kTotalForce] = {.selected = true, .reference = 1000, .kp = 50};
+  servo.max_linear_velocity = 1;
+  const Scene scene = sceneOf({servo});
   expectSameBytes(scene);
 }
 
