@@ -10,6 +10,7 @@
 
 #include "episodes/batch.h"
 #include "report.h"
+#include "simulation/host_threads.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim::bench {

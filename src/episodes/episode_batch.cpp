@@ -9,6 +9,7 @@
 #include "base/philox.h"
 #include "base/pose_inline.h"
 #include "base/vector3.h"
+#include "simulation/simulator_access.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -23,10 +24,9 @@ namespace {
 
 EpisodeBatch::EpisodeBatch(const Model& model, const EpisodePlan& plan, int num_instances, const std::optional<ServoLoopPlan>& loops)
     : plan_(plan),
-      simulator_(loops ? ServoLoop::makeSimulator(model, plan.simulatorOptions(num_instances), *loops)
-                       : Simulator(model, plan.simulatorOptions(num_instances))),
+      simulator_(SimulatorAccess::make(model, {plan.simulatorOptions(num_instances), loops, plan.host_threads})),
       robots_(plan.scene.robot, num_instances),
-      team_(plan.host_threads > 0 ? plan.host_threads : hostThreads(model.device().info().type, num_instances)),
+      team_(SimulatorAccess::team(simulator_)),
       ids_(num_instances * plan.num_sensors, kNoObject),
       X_SO_(num_instances * plan.num_sensors),
       loads_(num_instances * plan.num_sensors, kPoseDriven),
@@ -241,7 +241,8 @@ FrameContext EpisodeBatch::context() const {
           .X_WS = loop_ ? loop_->X_WS() : robots_.X_WS(),
           .joint_positions = robots_.jointPositions(),
           .joint_velocities = robots_.jointVelocities(),
-          .robot_status = loop_ ? loop_->status() : robots_.status()};
+          .robot_status = loop_ ? loop_->status() : robots_.status(),
+          .team = &team_};
 }
 
 // Poses of the object in the sensors at the current frame, after the robot has moved.

@@ -138,7 +138,7 @@ class EpisodeBatch {
   Simulator simulator_;
   std::optional<ServoLoop> loop_;
   Robots robots_;
-  ThreadTeam team_;
+  ThreadTeam& team_;  // of the simulator
   FrameView frame_;
   int num_busy_ = 0;
   bool loads_changed_ = false;

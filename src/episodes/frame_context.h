@@ -40,7 +40,14 @@ struct FrameContext {
   std::span<const double> joint_positions;     // (num_instances x num_joints), rad or m
   std::span<const double> joint_velocities;    // likewise, per s
   std::span<const std::uint8_t> robot_status;  // flags of RobotStatus (control/robots.h), of the motion that led to the frame
-  ThreadTeam* team = nullptr;                  // threads that may share loops over the instances; null: there are none
+  ThreadTeam* team = nullptr;                  // threads that share loops over the instances; null: there are none
+
+  // Calls job(first, last) for parts of [0, num_instances), as ThreadTeam::run().
+  template <typename Job>
+  void share(std::size_t num_instances, const Job& job) const {
+    const int count = static_cast<int>(num_instances);
+    team != nullptr ? team->run(count, job) : job(0, count);
+  }
 };
 
 }  // namespace taxelsim

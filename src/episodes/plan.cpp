@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/processors.h"
 #include "scene/skin_ranges.h"
 #include "sensor/skin.h"
 #include "taxelsim/environment.h"
@@ -14,12 +13,6 @@ ModelOptions modelOptionsOf(const Scene& scene) {
   ModelOptions options{.sensor = scene.sensor, .objects = {}};
   for (const SceneObject& object : scene.objects) options.objects.push_back(object.object);
   return options;
-}
-
-int hostThreads(DeviceType device, int num_instances) {
-  constexpr int kMost = 4, kLeastInstances = 1024;
-  if (device == DeviceType::kCpu) return 1;
-  return std::clamp(std::min(usableProcessors() / 2, num_instances / kLeastInstances), 1, kMost);
 }
 
 EpisodePlan::EpisodePlan(const Scene& scene_to_run, const OutputOptions& read_outputs, int num_regions)

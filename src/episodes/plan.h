@@ -14,10 +14,6 @@ inline bool hasContactFeatures(const OutputOptions& outputs) {
   return outputs.contact_features || outputs.clean_contact_features;
 }
 
-// Threads that share the host's work for a batch by default, at least 1. A software device needs the processors itself. Other devices: half
-// of the usable processors, at most 4, each with at least 1024 instances.
-int hostThreads(DeviceType device, int num_instances);
-
 struct EpisodePlan {
   // read_outputs: optional outputs that are read. `scene_to_run` must outlive this.
   EpisodePlan(const Scene& scene_to_run, const OutputOptions& read_outputs, int num_regions);
@@ -34,7 +30,7 @@ struct EpisodePlan {
   std::vector<TrueEdge> edges;  // (num_objects)
   bool starts_at_load;          // the force of the first frame is the load, as the taxels' forces on a level skin sum to it
   bool device_clock = false;    // whether the simulator measures its times
-  int host_threads = 0;         // that share controllers, robots and objects of a batch; 0: hostThreads()
+  int host_threads = 0;         // that share the host's work for a batch; 0: hostThreads()
 
   SimulatorOptions simulatorOptions(int num_instances) const;
 };

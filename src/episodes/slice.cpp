@@ -160,9 +160,7 @@ Slice::Stats Slice::collect() {
   if (controller_) controller_->command(batch_);
   stats.host.controller = processor.lap();
   stats.control_seconds += stopwatch.lap();
-  FrameContext context = batch_.context();
-  context.team = &batch_.team();
-  sink_.frame(batch_.frame(), context);
+  sink_.frame(batch_.frame(), batch_.context());
   stats.host.sink = processor.lap();
   stopwatch.lap();
 

@@ -134,9 +134,11 @@ void TaskJudge::judgeFrame(const FrameView& view, const FrameContext& context, s
 }
 
 void TaskJudge::frame(const FrameView& view, const FrameContext& context) {
-  for (std::size_t i = 0; i < states_.size(); ++i) {
-    if (context.active[i]) judgeFrame(view, context, i);
-  }
+  context.share(states_.size(), [&](int first, int last) {
+    for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(last); ++i) {
+      if (context.active[i]) judgeFrame(view, context, i);
+    }
+  });
 }
 
 Verdict TaskJudge::verdict(int instance) const {

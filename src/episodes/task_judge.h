@@ -22,7 +22,8 @@ class TaskJudge {
   TaskJudge(const EpisodePlan& plan, int num_instances);
 
   // What it reads of FrameContext.
-  static constexpr LoopOutputs kReads{.object_poses = true, .sensor_poses = false, .actions = false, .robot_status = true};
+  static constexpr LoopOutputs kReads{
+      .tactile_image = false, .object_poses = true, .sensor_poses = false, .actions = false, .robot_status = true};
 
   // An episode starts on an instance; its frame 0 comes next.
   void begin(int instance, const EpisodeRecord& record);

@@ -44,6 +44,7 @@ class ProbeSink : public EpisodeSink {
 std::string featureProbe(const Model& model, const Scene& scene) {
   SlicePlan plan(scene, kNoOutputs, 0);
   plan.sink_reads = TaskJudge::kReads;
+  plan.sink_reads.tactile_image = true;
   ProbeSink sink;
   runProbe(model, plan, sink);
   return sink.hash();

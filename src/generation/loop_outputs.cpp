@@ -7,9 +7,10 @@ namespace taxelsim {
 
 LoopOutputs loopOutputsOf(const Scene& scene) {
   using Source = FrameColumn::Source;
-  LoopOutputs reads{.object_poses = false, .sensor_poses = false, .actions = false, .robot_status = false};
+  LoopOutputs reads{.tactile_image = false, .object_poses = false, .sensor_poses = false, .actions = false, .robot_status = false};
   if (scene.task) reads = TaskJudge::kReads;
   for (const FrameColumn& column : planColumns(scene).frame) {
+    reads.tactile_image |= column.source == Source::kImage;
     reads.object_poses |= column.source == Source::kExactEdge || column.source == Source::kPose;
     reads.sensor_poses |= column.source == Source::kSensorPose;
     reads.actions |= column.source == Source::kAction || column.source == Source::kControllerAction;

@@ -130,12 +130,9 @@ void Recorder::recordExactEdge(const FrameContext& context, const InstanceRange&
 }
 
 void Recorder::recordFrames(const FrameView& frame, const FrameContext& context, std::span<const FramePlace> places) const {
-  const auto record = [&](int first, int last) {
+  context.share(places.size(), [&](int first, int last) {
     recordRange(frame, context, {places, static_cast<std::size_t>(first), static_cast<std::size_t>(last)});
-  };
-  const int num_instances = static_cast<int>(places.size());
-  if (context.team == nullptr) return record(0, num_instances);
-  context.team->run(num_instances, record);
+  });
 }
 
 void Recorder::recordRange(const FrameView& frame, const FrameContext& context, const InstanceRange& range) const {

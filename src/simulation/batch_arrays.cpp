@@ -181,7 +181,7 @@ constexpr BatchArray kArrays[] = {
     output<block::ContactDepth>(
         "penetration_depth", [](Shape s) { return countIf(s.options.outputs.penetration_depth, taxels(s)); },
         [](const BatchOptions& o) { return o.outputs.penetration_depth; }),
-    output<block::Image>("tactile_image", taxels, always),
+    output<block::Image>("tactile_image", taxels, [](const BatchOptions& o) { return !o.loop || o.loop->outputs.tactile_image; }),
     output<block::SpreadNormal>("tactile_normal_force", taxels, [](const BatchOptions& o) { return o.outputs.tactile_normal_force; }),
     output<block::SpreadShear>(
         "tactile_shear_force",

@@ -1,4 +1,4 @@
-// Options of a batch: those of its simulator, and the closed loops that the device runs.
+// Options of a batch: those of its simulator, the closed loops that the device runs, and the threads of the host.
 #pragma once
 
 #include <optional>
@@ -10,6 +10,7 @@ namespace taxelsim {
 
 struct BatchOptions : SimulatorOptions {
   std::optional<ServoLoopPlan> loop = {};
+  int host_threads = 0;  // that share loops over the instances; 0: hostThreads()
 };
 
 }  // namespace taxelsim

@@ -84,13 +84,14 @@ void fillTaxels(const OutputOptions& outputs, const BatchBuffers& buffers, std::
 
 }  // namespace
 
-FrameView viewOf(const ModelData& model, const SimulatorOptions& options, const BatchBuffers& buffers, IntegerFeatures& integers) {
+FrameView viewOf(const ModelData& model, const BatchOptions& options, const BatchBuffers& buffers, IntegerFeatures& integers) {
   integers.clear();
   const auto n = static_cast<std::size_t>(options.num_instances);
   const OutputOptions& outputs = options.outputs;
   FrameView frame;
   GroundTruthView& truth = frame.ground_truth;
   fillTaxels(outputs, buffers, n * model.num_taxels, frame);
+  if (options.loop && !options.loop->outputs.tactile_image) frame.tactile_image = {};
   const Blocks blocks{buffers.output<block::Features>(), n, integers};
   blocks.fill(imageFeatures(), frame);
   blocks.fill(imageFeatures(), truth, layout::kNumImageFeatures);

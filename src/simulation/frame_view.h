@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "simulation/batch_buffers.h"
+#include "simulation/batch_options.h"
 #include "taxelsim/simulator.h"
 
 namespace taxelsim {
@@ -26,6 +27,6 @@ class IntegerFeatures {
 };
 
 // The frame in `buffers`; its spans are valid as long as the buffers and `integers` are unchanged.
-FrameView viewOf(const ModelData& model, const SimulatorOptions& options, const BatchBuffers& buffers, IntegerFeatures& integers);
+FrameView viewOf(const ModelData& model, const BatchOptions& options, const BatchBuffers& buffers, IntegerFeatures& integers);
 
 }  // namespace taxelsim

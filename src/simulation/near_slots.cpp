@@ -122,21 +122,21 @@ void NearSlots::place(std::size_t instance, std::size_t slot, int id, const Pose
   set(near_[instance], num_slots_ == 1 ? !isBehind(object, placed_[index]) : reaches(object, placed_[index]));
 }
 
-void NearSlots::placeAll(std::span<const int> ids, std::span<const Pose> X_SO) {
+void NearSlots::placeAll(std::span<const int> ids, std::span<const Pose> X_SO, std::size_t first, std::size_t last) {
   if (num_slots_ > 1) {
-    for (std::size_t k = 0; k < ids.size(); ++k) place(k / num_slots_, k % num_slots_, ids[k], X_SO[k]);
+    for (std::size_t k = first * num_slots_; k < last * num_slots_; ++k) place(k / num_slots_, k % num_slots_, ids[k], X_SO[k]);
     return;
   }
   constexpr std::size_t kChunk = 64;
   std::array<Quaternion, kChunk> rotations;
-  for (std::size_t first = 0; first < ids.size(); first += kChunk) {
-    const std::size_t last = std::min(first + kChunk, ids.size());
-    for (std::size_t i = first; i < last; ++i) rotations[i - first] = unitRotation(X_SO[i]);
-    for (std::size_t i = first; i < last; ++i) {
+  for (; first < last; first += kChunk) {
+    const std::size_t end = std::min(first + kChunk, last);
+    for (std::size_t i = first; i < end; ++i) rotations[i - first] = unitRotation(X_SO[i]);
+    for (std::size_t i = first; i < end; ++i) {
       occupied_[i] = ids[i] != kNoObject;
       if (occupied_[i]) packPose(ids[i], rotations[i - first], X_SO[i].position, 0, placed_[i]);
     }
-    for (std::size_t i = first; i < last; ++i) {
+    for (std::size_t i = first; i < end; ++i) {
       near_[i] = occupied_[i] && !isBehind(model_.object_records[static_cast<std::size_t>(ids[i])], placed_[i]);
     }
   }
@@ -147,28 +147,22 @@ layout::PoseRecord NearSlots::packOnly(std::size_t instance, float load) const {
   return is_packed != 0 ? placed_[instance] : kEmpty;
 }
 
-std::size_t NearSlots::pack(std::span<const float> loads, std::span<layout::PoseRecord> poses) {
-  if (num_slots_ == 1) {
-    for (std::size_t i = 0; i < near_.size(); ++i) {
-      packed_[i] = std::isnan(loads[i]) ? near_[i] : occupied_[i];
-      poses[i] = packed_[i] != 0 ? placed_[i] : kEmpty;
-    }
-    return 1;
-  }
+std::size_t NearSlots::pack(std::span<const float> loads, std::span<layout::PoseRecord> poses, ThreadTeam& team) {
   int most = 1;
   for (std::size_t i = 0; i < near_.size(); ++i) {
     packed_[i] = std::isnan(loads[i]) ? near_[i] : occupied_[i];
     most = std::max(most, std::popcount(packed_[i]));
   }
   const auto stride = static_cast<std::size_t>(most);
-  for (std::size_t i = 0; i < near_.size(); ++i) {
-    const std::span<layout::PoseRecord> of_instance = poses.subspan(i * stride, stride);
-    std::size_t count = 0;
-    for (std::uint32_t left = packed_[i]; left != 0; left &= left - 1) {
-      of_instance[count++] = placed_[i * num_slots_ + static_cast<std::size_t>(std::countr_zero(left))];
+  team.run(static_cast<int>(near_.size()), [&](int first, int last) {
+    for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(last); ++i) {
+      std::size_t count = 0;
+      for (std::uint32_t left = packed_[i]; left != 0; left &= left - 1) {
+        poses[i * stride + count++] = placed_[i * num_slots_ + static_cast<std::size_t>(std::countr_zero(left))];
+      }
+      for (; count < stride; ++count) poses[i * stride + count] = kEmpty;
     }
-    std::fill(of_instance.begin() + static_cast<std::ptrdiff_t>(count), of_instance.end(), kEmpty);
-  }
+  });
   return stride;
 }
 

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "base/thread_team.h"
 #include "shared/batch.h"
 #include "simulation/model_data.h"
 
@@ -18,13 +19,14 @@ class NearSlots {
   NearSlots(const ModelData& model, std::size_t num_instances, std::size_t num_slots);
 
   void place(std::size_t instance, std::size_t slot, int id, const Pose& X_SO);
-  // Sets all slots, (num_instances x num_slots): in passes over some instances, so that the processor overlaps independent operations.
-  void placeAll(std::span<const int> ids, std::span<const Pose> X_SO);
+  // Sets the slots of the instances from `first` to before `last`; ids, X_SO: (num_instances x num_slots). In passes over some instances,
+  // so that the processor overlaps independent operations. Threads may set parts that do not overlap.
+  void placeAll(std::span<const int> ids, std::span<const Pose> X_SO, std::size_t first, std::size_t last);
 
   // Writes the poses of the near objects to `poses` (num_instances x the result), in the order of their slots, then empty slots. Returns
   // the largest number of near objects of an instance, at least 1. A load search moves objects: where an instance is driven by load, all
   // its objects are near.
-  std::size_t pack(std::span<const float> loads, std::span<layout::PoseRecord> poses);
+  std::size_t pack(std::span<const float> loads, std::span<layout::PoseRecord> poses, ThreadTeam& team);
 
   // The pose of the one slot of an instance, as pack() writes it.
   layout::PoseRecord packOnly(std::size_t instance, float load) const;

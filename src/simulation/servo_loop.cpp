@@ -67,16 +67,6 @@ bool ServoLoop::isFaster(const Model& model) {
   return implOf(model).data.profile.prefersServosOnDevice();
 }
 
-Simulator ServoLoop::makeSimulator(const Model& model, const SimulatorOptions& options, const ServoLoopPlan& plan) {
-  Simulator simulator = SimulatorAccess::make(model, {options, plan});
-  Simulator::Impl& impl = SimulatorAccess::impl(simulator);
-  const std::span<layout::ServoRecord> records = impl.buffers.input<block::Servos>();
-  std::transform(plan.servos.begin(), plan.servos.end(), records.begin(), packServo);
-  impl.buffers.input<block::Loop>()[0] = packLoops(plan, model.sensor(), impl.near);
-  impl.traffic.bytes_to_device += records.size_bytes() + sizeof(layout::LoopRecord);
-  return simulator;
-}
-
 MemoryPlan ServoLoop::planMemory(const Model& model, const SimulatorOptions& options, const ServoLoopPlan& plan) {
   return planBatch(implOf(model).data, {options, plan});
 }
@@ -84,7 +74,13 @@ MemoryPlan ServoLoop::planMemory(const Model& model, const SimulatorOptions& opt
 ServoLoop::ServoLoop(Simulator& simulator)
     : simulator_(SimulatorAccess::impl(simulator)),
       num_instances_(simulator.numInstances()),
-      status_(simulator_.options.loop->outputs.robot_status ? static_cast<std::size_t>(num_instances_) : 0) {}
+      status_(simulator_.options.loop->outputs.robot_status ? static_cast<std::size_t>(num_instances_) : 0) {
+  const ServoLoopPlan& plan = *simulator_.options.loop;
+  const std::span<layout::ServoRecord> records = simulator_.buffers.input<block::Servos>();
+  std::transform(plan.servos.begin(), plan.servos.end(), records.begin(), packServo);
+  simulator_.buffers.input<block::Loop>()[0] = packLoops(plan, simulator.model().sensor(), simulator_.near);
+  simulator_.traffic.bytes_to_device += records.size_bytes() + sizeof(layout::LoopRecord);
+}
 
 void ServoLoop::start(int instance, const LoopStart& start) {
   const auto& [p, q] = start.X_WO;

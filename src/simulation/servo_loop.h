@@ -18,6 +18,7 @@ namespace taxelsim {
 
 // What the host reads after every frame.
 struct LoopOutputs {
+  bool tactile_image = true;
   bool object_poses = true;
   bool sensor_poses = true;
   bool actions = true;
@@ -50,11 +51,9 @@ class ServoLoop {
   // Whether the device runs the loops faster than the host.
   static bool isFaster(const Model& model);
 
-  // Throws what Simulator throws.
-  static Simulator makeSimulator(const Model& model, const SimulatorOptions& options, const ServoLoopPlan& plan);
   static MemoryPlan planMemory(const Model& model, const SimulatorOptions& options, const ServoLoopPlan& plan);
 
-  // `simulator`, made by makeSimulator(), must outlive this.
+  // `simulator`, made with BatchOptions::loop, must outlive this.
   explicit ServoLoop(Simulator& simulator);
 
   int numInstances() const { return num_instances_; }

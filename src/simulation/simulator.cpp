@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
@@ -16,6 +17,7 @@
 #include "shared/features.h"
 #include "simulation/batch_plan.h"
 #include "simulation/frame_view.h"
+#include "simulation/host_threads.h"
 #include "simulation/model_access.h"
 #include "simulation/pack/pack_contacts.h"
 #include "simulation/simulator_access.h"
@@ -36,22 +38,27 @@ double lengthOf(const Quaternion& q) {
   return std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
 }
 
+// Written so that NaN fails.
+bool isUnitLength(double length) {
+  return std::abs(length - 1) <= kQuaternionTolerance;
+}
+
+bool isAllowedSlot(int id, const Pose& X_SO, int num_objects) {
+  if (id == kNoObject) return true;
+  const auto& [x, y, z] = X_SO.position;
+  return id >= 0 && id < num_objects && isUnitLength(lengthOf(X_SO.rotation)) && std::isfinite(x) && std::isfinite(y) && std::isfinite(z);
+}
+
 // Throws Error(kInput) for an object or a pose that a slot may not have.
 void checkSlot(int id, const Pose& X_SO, std::size_t instance, int num_objects) {
-  if (id == kNoObject) return;
-  // Called for every pose of every step, so text is made only for errors.
+  if (isAllowedSlot(id, X_SO, num_objects)) return;
   const auto where = [instance] { return " of instance " + std::to_string(instance); };
   if (id < 0 || id >= num_objects) {
     refuse("object " + std::to_string(id) + where() + " is not allowed: 0 to " + std::to_string(num_objects - 1) + ", or -1 for none");
   }
   const double length = lengthOf(X_SO.rotation);
-  // Written so that NaN fails.
-  if (!(std::abs(length - 1) <= kQuaternionTolerance)) {
-    refuse("rotation" + where() + ": a quaternion of length " + std::to_string(length) + " is not allowed: 1");
-  }
-  for (const double coordinate : X_SO.position) {
-    if (!std::isfinite(coordinate)) refuse("position" + where() + " is not finite");
-  }
+  if (!isUnitLength(length)) refuse("rotation" + where() + ": a quaternion of length " + std::to_string(length) + " is not allowed: 1");
+  refuse("position" + where() + " is not finite");
 }
 
 // 1 - exp(-dt / time): the step of a first-order system towards its input.
@@ -66,7 +73,8 @@ Simulator::Impl::Impl(const Model& shared_model, const BatchOptions& batch_optio
       options((checkBatchFits(implOf(shared_model).data, batch_options), batch_options)),
       buffers(shapeOf(data(), options)),
       keeps_candidates(shapeOf(data(), options).keeps_candidates),
-      near(data(), takesContacts() ? 0 : static_cast<std::size_t>(options.num_instances), static_cast<std::size_t>(options.num_slots)) {
+      near(data(), takesContacts() ? 0 : static_cast<std::size_t>(options.num_instances), static_cast<std::size_t>(options.num_slots)),
+      team(options.host_threads > 0 ? options.host_threads : hostThreads(shared_model.device().info().type, options.num_instances)) {
   clocks.resize(static_cast<std::size_t>(options.num_instances));
   loads.assign(clocks.size(), kPoseDriven);
   episodes.resize(clocks.size());
@@ -185,6 +193,10 @@ Simulator SimulatorAccess::make(const Model& model, const BatchOptions& options)
   return Simulator(std::make_unique<Simulator::Impl>(model, options));
 }
 
+ThreadTeam& SimulatorAccess::team(Simulator& simulator) {
+  return simulator.impl_->team;
+}
+
 MemoryPlan Simulator::plan(const Model& model, const SimulatorOptions& options) {
   return planBatch(implOf(model).data, {options});
 }
@@ -204,10 +216,16 @@ void Simulator::setObjects(std::span<const int> ids, std::span<const Pose> X_SO)
   checkLength("X_SO", X_SO.size(), n * slots);
   // All are checked before any is written, so that an error changes nothing.
   const auto num_objects = static_cast<int>(impl_->model.objects().size());
-  for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t k = i * slots; k < (i + 1) * slots; ++k) checkSlot(ids[k], X_SO[k], i, num_objects);
-  }
-  impl_->near.placeAll(ids, X_SO);
+  std::atomic<bool> all_allowed = true;
+  impl_->team.run(static_cast<int>(n), [&](int first, int last) {
+    for (std::size_t k = static_cast<std::size_t>(first) * slots; k < static_cast<std::size_t>(last) * slots; ++k) {
+      if (!isAllowedSlot(ids[k], X_SO[k], num_objects)) all_allowed = false;
+    }
+  });
+  for (std::size_t k = 0; k < n * slots && !all_allowed; ++k) checkSlot(ids[k], X_SO[k], k / slots, num_objects);
+  impl_->team.run(static_cast<int>(n), [&](int first, int last) {
+    impl_->near.placeAll(ids, X_SO, static_cast<std::size_t>(first), static_cast<std::size_t>(last));
+  });
   if (impl_->motions) {
     for (std::size_t k = 0; k < ids.size(); ++k) impl_->motions->place(k, ids[k], X_SO[k]);
   }

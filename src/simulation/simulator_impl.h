@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "base/thread_team.h"
 #include "gpu/commands.h"
 #include "simulation/batch_buffers.h"
 #include "simulation/batch_options.h"
@@ -97,6 +98,7 @@ struct Simulator::Impl {
   NearSlots near;
   std::vector<std::size_t> placed;  // with closed loops: instances whose object was set since the last step
   std::optional<Motions> motions;   // of a sensor with friction
+  ThreadTeam team;                  // shares loops over the instances; the results do not depend on their number
   std::array<std::optional<gpu::Commands>, 32> recorded;
   std::array<std::optional<gpu::Commands>, 2> recorded_gradients;  // without and with gains
   gpu::Commands* running = nullptr;

@@ -36,7 +36,6 @@ void Simulator::Impl::startFrame(std::size_t instance, double dt, const FrameTim
   clock.time += dt;
   if (!motions) return;
   const float load_offset = buffers.output<block::Features>()[layout::kFeatureLoadOffset * clocks.size() + instance];
-  traffic.bytes_to_device += num_near * sizeof(layout::MotionRecord);
   motions->pack(instance, load_offset, near.of(instance), buffers.input<block::Motions>().subspan(instance * num_near, num_near));
 }
 
@@ -50,21 +49,22 @@ FrameKind::Candidates Simulator::Impl::candidatesOf(const Selection& selection, 
 bool Simulator::Impl::startFrames(double dt, const Selection& selection, std::size_t num_near) {
   const Sensor& sensor = model.sensor();
   const FrameTiming frame_timing{.rate = sensor.frame_rate, .jitter = sensor.readout.jitter, .seed = options.seed};
-  bool any_load = false;
-  for (std::size_t i = 0; i < clocks.size(); ++i) {
-    if (selection.has(i)) {
-      startFrame(i, dt, frame_timing, num_near);
-      any_load = any_load || (flags[i] & layout::kFlagLoadDriven) != 0;
-    } else {
-      flags[i] = layout::kFlagHeld;
-      buffers.input<block::Instances>()[i].keys.w = flags[i];
+  team.run(static_cast<int>(clocks.size()), [&](int first, int last) {
+    for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(last); ++i) {
+      if (selection.has(i)) {
+        startFrame(i, dt, frame_timing, num_near);
+      } else {
+        flags[i] = layout::kFlagHeld;
+        buffers.input<block::Instances>()[i].keys.w = flags[i];
+      }
     }
-  }
+  });
   // The rest of a record changes with reset() and setLoad() only.
   const std::size_t num_selected = numSelected(selection);
   traffic.bytes_to_device += num_selected * (sizeof(layout::InstanceRecord::keys) + sizeof(layout::InstanceRecord::clock)) +
                              (clocks.size() - num_selected) * sizeof(std::uint32_t);
-  return any_load;
+  if (motions) traffic.bytes_to_device += num_selected * num_near * sizeof(layout::MotionRecord);
+  return std::any_of(flags.begin(), flags.end(), [](std::uint32_t flag) { return (flag & layout::kFlagLoadDriven) != 0; });
 }
 
 std::size_t Simulator::Impl::packPoses() {
@@ -76,7 +76,7 @@ std::size_t Simulator::Impl::packPoses() {
     placed.clear();
     return 1;
   }
-  const std::size_t num_near = near.pack(loads, poses);
+  const std::size_t num_near = near.pack(loads, poses, team);
   traffic.bytes_to_device += clocks.size() * num_near * sizeof(layout::PoseRecord);
   return num_near;
 }

@@ -13,6 +13,7 @@
 #include "episodes/example_scene.h"
 #include "episodes/recording.h"
 #include "episodes/servo_input.h"
+#include "simulation/host_threads.h"
 #include "taxelsim/error.h"
 #include "taxelsim/evaluate.h"
 

@@ -26,7 +26,8 @@ std::size_t numSent(const ModelData& model, int num_slots, int num_near, float l
     slots.place(0, static_cast<std::size_t>(slot), 0, {.position = {slot % 2 == 0 ? 0 : away, 0, away}});
   }
   std::vector<layout::PoseRecord> poses(static_cast<std::size_t>(num_slots));
-  const std::size_t sent = slots.pack(std::span(&load, 1), poses);
+  ThreadTeam alone(1);
+  const std::size_t sent = slots.pack(std::span(&load, 1), poses, alone);
   EXPECT_EQ(poses[0].object.x, sent == 1 && num_near == 0 ? kNoObject : 0);
   EXPECT_LE(std::popcount(slots.of(0)), static_cast<int>(sent));
   return sent;

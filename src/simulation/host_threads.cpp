@@ -1,0 +1,15 @@
+#include "simulation/host_threads.h"
+
+#include <algorithm>
+
+#include "base/processors.h"
+
+namespace taxelsim {
+
+int hostThreads(DeviceType device, int num_instances) {
+  constexpr int kMost = 4, kLeastInstances = 1024;
+  if (device == DeviceType::kCpu) return 1;
+  return std::clamp(std::min(usableProcessors() / 2, num_instances / kLeastInstances), 1, kMost);
+}
+
+}  // namespace taxelsim
