@@ -3,7 +3,7 @@
 // Closed loop of free-flying tactile servos: features of this frame -> twist -> pose of the sensor -> pose of the object for the next frame.
 //
 // An invocation owns an instance.
-// In:  starts (num_instances), servos, the features of the frame: features, and servo_features, which is the same array or contact features.
+// In:  loop_starts (num_instances), servos, the features of the frame: features, and servo_features, which is the same array or contact features.
 // Out: poses (num_instances) of the next frame; object_poses and sensor_poses of this frame (num_instances x 7: position, rotation w, x, y,
 //      z), actions (num_instances x 6: v, w) after it, robot_status of the motion before it. Rows of instances without an episode stay as
 //      they are.

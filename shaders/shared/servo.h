@@ -49,7 +49,7 @@ struct LoopRecord {
 struct LoopStartRecord {
   dvec2 X_WO[4];     // position x, y, m; z, rotation w; x, y; z of the rotation, exploration velocity, m/s
   vec4 start_force;  // N, with STARTS_AT_LOAD; 0, 0, 0
-  uvec4 keys;        // 1 if the instance runs an episode; servo; object, 0
+  uvec4 keys;        // 1 if the instance runs an episode; servo; object; 0
 };
 
 TAXELSIM_LAYOUT_END

@@ -31,7 +31,7 @@ class NearSlots {
   // The pose of the one slot of an instance, as pack() writes it.
   layout::PoseRecord packOnly(std::size_t instance, float load) const;
 
-  // What tells whether an object is behind the skin. R: frame of the sensor's one patch, or S.
+  // Numbers of the test for objects behind the skin. R: frame of the sensor's one patch, or S.
   struct SkinBase {
     glm::vec3 normal;  // z of R, in S
     float origin;      // height of the origin of S, in R, m

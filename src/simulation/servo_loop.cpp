@@ -12,6 +12,9 @@
 namespace taxelsim {
 namespace {
 
+static_assert(layout::kServoFeatures == kNumServoFeatures && layout::kServoTiltY == static_cast<unsigned>(ServoFeature::kTiltY) &&
+              layout::kServoEdgeAngle == static_cast<unsigned>(ServoFeature::kEdgeAngle));
+
 layout::FeatureLoopRecord packLoop(const FeatureLoop& loop) {
   return {.gains = {loop.kp, loop.ki},
           .error = {loop.reference.value_or(0), loop.error_limit},

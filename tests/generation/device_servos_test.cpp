@@ -6,12 +6,14 @@
 #include <iterator>
 #include <numbers>
 
+#include "control/robots.h"
 #include "episodes/batch.h"
 #include "episodes/device_servos.h"
 #include "episodes/example_scene.h"
 #include "episodes/task_evaluator.h"
 #include "generation/columns.h"
 #include "generation/generate_loops.h"
+#include "taxelsim/dataset.h"
 
 namespace taxelsim {
 namespace {
@@ -204,6 +206,20 @@ TEST(DeviceServos, ObjectsBehindTheSkin) {
   servo.max_linear_velocity = 1;
   const Scene scene = sceneOf({servo});
   expectSameBytes(scene);
+}
+
+// A gain that overflows commands a twist that is not finite: the robot is lost and does not move. Bits of NaN in actions are the driver's.
+TEST(DeviceServos, LostRobots) {
+  TactileServo servo;
+  servo[ServoFeature::kTotalForce] = {.selected = true, .reference = 30, .kp = 1e308};
+  Scene scene = sceneOf({servo});
+  scene.record = {"features", "poses", "robot"};
+  expectSameBytes(scene);
+  const TestDirectory directory;
+  generateWith(scene, directory.path(), 64, 1, Loops::kDevice);
+  const std::vector<double> status = DatasetReader(directory.path()).readAsDouble("data/robot/status", 0, 7);
+  EXPECT_EQ(status[0], 0);
+  EXPECT_EQ(status[1], kLost);
 }
 
 TEST(DeviceServos, RatesOfControlAndSensor) {
