@@ -69,7 +69,7 @@
 #define BLOCK_TaxelJacobian BLOCK(TaxelJacobian, float, taxel_jacobian[])    // (n x 6 x t), N/m and N/rad
 #define BLOCK_MaskedJacobian BLOCK(MaskedJacobian, float, masked_jacobian[])
 #define BLOCK_WrenchJacobian BLOCK(WrenchJacobian, float, wrench_jacobian[])  // (n x num_tiles x 6 x 6)
-#define BLOCK_LoopState BLOCK(LoopState, double, loop_state[])  // (kNumLoopState x n), passes/servo.h
+#define BLOCK_LoopState BLOCK(LoopState, double, loop_state[])                // (kNumLoopState x n), passes/servo.h
 
 // ---- a batch: results ----
 #define BLOCK_Image BLOCK(Image, uint, image[])                         // (n x t), counts
@@ -94,7 +94,7 @@
 #define BLOCK_PastState BLOCK(PastState, uvec4, past_state[])  // State, to be fetched as texels
 #define BLOCK_CleanContactFeatures BLOCK(CleanContactFeatures, float, features[])
 #define BLOCK_CleanTactileJacobian BLOCK(CleanTactileJacobian, float, features[])  // with the wrench's after that of the features
-#define BLOCK_ServoFeatures BLOCK(ServoFeatures, float, servo_features[])  // Features or ContactFeatures
+#define BLOCK_ServoFeatures BLOCK(ServoFeatures, float, servo_features[])          // Features or ContactFeatures
 
 // All of them, for the host.
 // clang-format off
