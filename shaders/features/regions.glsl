@@ -1,12 +1,17 @@
 // Connected regions of taxels that report, by union-find over taxel_regions[] (shared/features.h): a region is named by its lowest taxel, whatever order taxels
 // are united in. Twin: src/reference/contact_features.cpp.
 
-// Root of taxel `t`: the taxel that names its region so far. Path halving.
+// Root of taxel `t`: the taxel that names its region so far. Path halving. Names only fall, so that no invocation replaces the name that another one has found by
+// an older one.
 uint findRoot(uint first_word, uint t) {
   uint next = taxel_regions[first_word + t];
   while (next != t) {
     uint after = taxel_regions[first_word + next];
-    taxel_regions[first_word + t] = after;
+    if (TEAM == 1) {
+      taxel_regions[first_word + t] = after;
+    } else {
+      atomicMin(taxel_regions[first_word + t], after);
+    }
     t = next;
     next = after;
   }

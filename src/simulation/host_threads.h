@@ -5,8 +5,8 @@
 
 namespace taxelsim {
 
-// At least 1. A software device needs the processors itself. Other devices: half of the usable processors, at most 4, each with at least
-// 1024 instances.
+// At least 1. A software device needs the processors itself. Other devices: half of the usable processors, at most 8, each with at least
+// 512 instances.
 int hostThreads(DeviceType device, int num_instances);
 
 }  // namespace taxelsim
