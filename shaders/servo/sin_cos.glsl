@@ -1,31 +1,22 @@
 // Sine and cosine of an angle (rad) up to kLargestReducedAngle: the operations of src/base/sin_cos.h in the same order, hence the same bits.
 void sinCos(double angle, out double sine_out, out double cosine_out) {
   const double kRound = 6755399441055744.0lf;
-  const double kTwoOverPi = 6.36619772367581382433e-01lf;
-  const double kFirst = 1.57079632673412561417e+00lf, kSecond = 6.07710050630396597660e-11lf, kThird = 2.02226624879595063154e-21lf;
+  const double kTwoOverPi = 0.6366197723675814lf;
+  const double kFirst = 1.5707963267341256lf, kSecond = 6.077100506303966e-11lf, kThird = 2.0222662487959506e-21lf;
   double quarters = (angle * kTwoOverPi + kRound) - kRound;
-  double t = angle - quarters * kFirst;
-  double second = quarters * kSecond;
-  double r = t - second;
-  double w = quarters * kThird - ((t - r) - second);
-  double x = r - w;
-  double y = (r - x) - w;
-
+  double near = angle - quarters * kFirst;
+  double nearer = near - quarters * kSecond;
+  double left_over = (near - nearer) - quarters * kSecond;
+  double last = quarters * kThird - left_over;
+  double x = nearer - last;
+  double low = (nearer - x) - last;
   double z = x * x;
-  double sine_terms =
-      8.33333333332248946124e-03lf +
-      z * (-1.98412698298579493134e-04lf +
-           z * (2.75573137070700676789e-06lf + z * (-2.50507602534068634195e-08lf + z * 1.58969099521155010221e-10lf)));
-  double v = z * x;
-  double sine = x - ((z * (0.5lf * y - v * sine_terms) - y) - v * -1.66666666666666324348e-01lf);
-  double cosine_terms =
-      z * (4.16666666666666019037e-02lf +
-           z * (-1.38888888888741095749e-03lf +
-                z * (2.48015872894767294178e-05lf +
-                     z * (-2.75573143513906633035e-07lf + z * (2.08757232129817482790e-09lf + z * -1.13596475577881948265e-11lf)))));
-  double half_square = 0.5lf * z;
-  double rest = 1.0lf - half_square;
-  double cosine = rest + (((1.0lf - rest) - half_square) + (z * cosine_terms - x * y));
+  double sine_sum = -1.0lf / 6.0lf + z * (1.0lf / 120.0lf + z * (-1.0lf / 5040.0lf + z * (1.0lf / 362880.0lf + z * (-1.0lf / 39916800.0lf + z * (1.0lf / 6227020800.0lf + z * (-1.0lf / 1307674368000.0lf + z * (1.0lf / 355687428096000.0lf)))))));
+  double cosine_sum = 1.0lf / 24.0lf + z * (-1.0lf / 720.0lf + z * (1.0lf / 40320.0lf + z * (-1.0lf / 3628800.0lf + z * (1.0lf / 479001600.0lf + z * (-1.0lf / 87178291200.0lf + z * (1.0lf / 20922789888000.0lf))))));
+  double half_z = 0.5lf * z;
+  double most = 1.0lf - half_z;
+  double sine = x + (x * z * sine_sum + low * most);
+  double cosine = most + (((1.0lf - most) - half_z) + (z * z * cosine_sum - x * low));
 
   int quadrant = int(quarters) & 3;
   bool swaps = (quadrant & 1) != 0;
