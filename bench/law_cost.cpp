@@ -347,10 +347,11 @@ void run(const Options& options) {
               options.num_instances, sensor.name.c_str(), options.repetitions);
   nlohmann::ordered_json results = nlohmann::ordered_json::array();
   const auto runAll = options.pairs ? runPairs : runObject;
-  results.push_back(runAll(device, sensor, Object("cylinder", Cylinder{.radius = 0.008, .length = 0.04}),
-                           {.laid = axisAngle({0, 1, 0}, 1.5707963267948966)}, options));
-  results.push_back(runAll(device, sensor, Object("ellipsoid_5120", ellipsoid({0.020, 0.014, 0.012}, 4)), {.rolls = true}, options));
-  if (!options.json.empty()) {
+  // The results are written after every object, so that a time limit loses one.
+  const auto measure = [&](const Object& object, const PoseSpread& spread) {
+    results.push_back(runAll(device, sensor, object, spread, options));
+    std::fflush(stdout);
+    if (options.json.empty()) return;
     writeJson(options.json, {{"bench", "law_cost"},
                              {"machine", machine(device.info())},
                              {"sensor", sensor.name},
@@ -359,7 +360,9 @@ void run(const Options& options) {
                              {"bandwidth_bytes_per_second", ratesOf(options).bandwidth},
                              {"arithmetic_operations_per_second", ratesOf(options).arithmetic},
                              {"objects", results}});
-  }
+  };
+  measure(Object("cylinder", Cylinder{.radius = 0.008, .length = 0.04}), {.laid = axisAngle({0, 1, 0}, 1.5707963267948966)});
+  measure(Object("ellipsoid_5120", ellipsoid({0.020, 0.014, 0.012}, 4)), {.rolls = true});
 }
 
 }  // namespace
