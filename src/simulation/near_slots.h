@@ -25,7 +25,7 @@ class NearSlots {
 
   // Writes the poses of the near objects to `poses` (num_instances x the result), in the order of their slots, then empty slots. Returns
   // the largest number of near objects of an instance, at least 1. A load search moves objects: where an instance is driven by load, all
-  // its objects are near.
+  // its objects are near. The threads of `team` share the instances.
   std::size_t pack(std::span<const float> loads, std::span<layout::PoseRecord> poses, ThreadTeam& team);
 
   // The pose of the one slot of an instance, as pack() writes it.

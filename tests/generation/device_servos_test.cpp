@@ -280,12 +280,17 @@ TEST(DeviceServos, ExchangeOnlyWhatTheSinkReads) {
   EXPECT_EQ(host.bytes_to_device - least.bytes_to_device, 16 * 64u);  // a pose record per instance
   EXPECT_EQ(least.bytes_from_device, host.bytes_from_device);
   EXPECT_EQ(all.bytes_from_device - least.bytes_from_device, 16 * (7 + 7 + 6) * sizeof(double) + 16 * sizeof(std::uint32_t));
+  LoopOutputs no_image = kNothing;
+  no_image.tactile_image = false;
+  const auto num_taxels = static_cast<std::size_t>(numTaxels(scene.sensor));
+  EXPECT_EQ(least.bytes_from_device - trafficOf(Loops::kDevice, no_image).bytes_from_device, 16 * num_taxels * sizeof(std::uint32_t));
 }
 
 std::vector<Verdict> verdictsOf(const Model& model, const Scene& scene, Loops loops) {
   SlicePlan plan(scene, kNoOutputs, 0);
   plan.loops = loops;
   plan.sink_reads = TaskJudge::kReads;
+  plan.host_threads = loops == Loops::kHost ? 1 : 3;  // that share the judging
   std::vector<Verdict> verdicts(scene.num_episodes);
   std::uint64_t next = 0;
   TaskEvaluator evaluator(plan, 0, next, verdicts, 8);
