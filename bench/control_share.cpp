@@ -126,14 +126,21 @@ nlohmann::ordered_json runRobot(const Model& model, Scene scene, const std::stri
   plan.loops = options.loops;
   const bool on_device = plan.deviceLoops(model).has_value();
   NoSink sink(options.num_instances);
-  std::vector<std::unique_ptr<Slice>> slices;
-  slices.push_back(std::make_unique<Slice>(model, plan, options.num_instances, sink));
   Ticks ticks;
   int number = 0;
-  runEpisodes(model.device(), slices, nullptr, [&](const Slice::Stats& tally) {
-    if (++number <= kWarmUps || tally.num_episodes > 0) return;
-    ticks.add(tally);
-  });
+  const auto runOnce = [&] {
+    sink = NoSink(options.num_instances);
+    ticks = {};
+    number = 0;
+    std::vector<std::unique_ptr<Slice>> slices;
+    slices.push_back(std::make_unique<Slice>(model, plan, options.num_instances, sink));
+    runEpisodes(model.device(), slices, nullptr, [&](const Slice::Stats& tally) {
+      if (++number <= kWarmUps || tally.num_episodes > 0) return;
+      ticks.add(tally);
+    });
+  };
+  warmUp(model.device().info(), runOnce);
+  runOnce();
   // A loop without contact computes nothing, which would falsify the time.
   if (sink.numTouching() < options.num_instances / 2) throw Error(ErrorKind::kDevice, name + ": most instances have lost contact");
   std::printf(

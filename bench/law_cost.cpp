@@ -234,6 +234,13 @@ class Run {
   FrameCounts measured_;  // of the last frame
 };
 
+// The poses of some instances in both of their frames.
+std::vector<Pose> countedPoses(const std::vector<Pose>& X_SO) {
+  std::vector<Pose> poses(X_SO.begin(), X_SO.begin() + std::min<std::ptrdiff_t>(kMostCounted, std::ssize(X_SO)));
+  for (const Pose& pose : slid(poses)) poses.push_back(pose);
+  return poses;
+}
+
 // Adds the limit of a case's frames to its results; prints it. `per_frame`: s.
 void addLimit(const Run& run, FrameCounter& counter, double per_frame, const MachineRates& rates, nlohmann::ordered_json& result) {
   const std::optional<FrameCounts> counts = run.counts(counter);
@@ -255,6 +262,7 @@ nlohmann::ordered_json runObject(const Device& device, const Sensor& sensor, con
   for (const Case& work : allCases()) {
     if (runs.empty() || options.only.empty() || work.name == options.only) runs.emplace_back(device, work, sensor, object, X_SO);
   }
+  warmUp(device.info(), [&] { runs[0].frame(); });
   std::vector<std::vector<double>> seconds(runs.size()), ratios(runs.size());
   for (int r = -kWarmUps; r < options.repetitions; ++r) {
     for (std::size_t k = 0; k < runs.size(); ++k) {
@@ -265,9 +273,7 @@ nlohmann::ordered_json runObject(const Device& device, const Sensor& sensor, con
     }
   }
   std::printf("%s\n", object.name.c_str());
-  std::vector<Pose> frames(X_SO.begin(), X_SO.begin() + std::min(kMostCounted, options.num_instances));
-  for (const Pose& pose : slid(frames)) frames.push_back(pose);
-  FrameCounter counter(device, object, frames);
+  FrameCounter counter(device, object, countedPoses(X_SO));
   nlohmann::ordered_json results = nlohmann::ordered_json::array();
   for (std::size_t k = 0; k < runs.size(); ++k) {
     if (runs[k].blank() > 0)
@@ -288,8 +294,15 @@ nlohmann::ordered_json runObject(const Device& device, const Sensor& sensor, con
   return {{"object", object.name}, {"cases", results}};
 }
 
-// Median of the times of a case over those of `plain`, in turns; nothing where the library refuses the sensor.
-std::optional<double> timesPlain(Run& plain, const std::function<Run()>& makeRun, int repetitions) {
+// A case timed in turns with a plain frame.
+struct Compared {
+  Run run;
+  double times_plain;  // median of the ratios
+  double per_frame;    // s, median
+};
+
+// Nothing where the library refuses the sensor.
+std::optional<Compared> comparedTo(Run& plain, const DeviceInfo& device, const std::function<Run()>& makeRun, const Options& options) {
   std::optional<Run> run;
   try {
     run.emplace(makeRun());
@@ -297,13 +310,15 @@ std::optional<double> timesPlain(Run& plain, const std::function<Run()>& makeRun
     if (error.kind() != ErrorKind::kInput) throw;
     return {};
   }
-  std::vector<double> ratios;
-  for (int r = -kWarmUps; r < repetitions; ++r) {
-    const double seconds = plain.frame();
-    const double ratio = run->frame() / seconds;
-    if (r >= 0) ratios.push_back(ratio);
+  warmUp(device, [&] { plain.frame(); });
+  std::vector<double> seconds, ratios;
+  for (int r = -kWarmUps; r < options.repetitions; ++r) {
+    const double of_plain = plain.frame(), of_run = run->frame();
+    if (r < 0) continue;
+    seconds.push_back(of_run / options.num_instances);
+    ratios.push_back(of_run / of_plain);
   }
-  return summarise(ratios).median;
+  return Compared{.run = std::move(*run), .times_plain = summarise(ratios).median, .per_frame = summarise(seconds).median};
 }
 
 // Each option alone and with each other one, relative to `winkler`.
@@ -312,12 +327,13 @@ nlohmann::ordered_json runPairs(const Device& device, const Sensor& sensor, cons
   const std::vector<Pose> X_SO = randomPoses(object, spread, options.num_instances, kPoseSeed);
   const std::vector<Case> cases = allCases();
   Run plain(device, cases[0], sensor, object, X_SO);
+  FrameCounter counter(device, object, countedPoses(X_SO));
   const auto measure = [&](const Case& work) {
-    return timesPlain(
-        plain, [&] { return Run(device, work, sensor, object, X_SO); }, options.repetitions);
+    return comparedTo(
+        plain, device.info(), [&] { return Run(device, work, sensor, object, X_SO); }, options);
   };
   std::vector<double> alone;
-  for (const Case& work : cases) alone.push_back(work.is_paired ? measure(work).value() : 1);
+  for (const Case& work : cases) alone.push_back(work.is_paired ? measure(work).value().times_plain : 1);
   std::printf("%s, pairs of options: times winkler, and what the pair adds to a frame over the sum of what both add alone\n",
               object.name.c_str());
   nlohmann::ordered_json results = nlohmann::ordered_json::array();
@@ -325,15 +341,19 @@ nlohmann::ordered_json runPairs(const Device& device, const Sensor& sensor, cons
     for (std::size_t k = 0; k < i; ++k) {
       const std::optional<Case> both = bothOf(cases[k], cases[i]);
       if (!both) continue;
-      const std::optional<double> times = measure(*both);
+      const std::optional<Compared> pair = measure(*both);
       nlohmann::ordered_json result{{"options", {cases[k].name, cases[i].name}}, {"times_winkler_alone", {alone[k], alone[i]}}};
-      if (times) {
-        result["times_winkler"] = *times;
-        std::printf("  %-100s %6.2f  %5.2f\n", both->name.c_str(), *times, (*times - 1) / (alone[k] + alone[i] - 2));
+      std::printf("  %-100s ", both->name.c_str());
+      if (pair) {
+        const double times = pair->times_plain;
+        result["times_winkler"] = times;
+        std::printf("%6.2f  %5.2f", times, (times - 1) / (alone[k] + alone[i] - 2));
+        addLimit(pair->run, counter, pair->per_frame, ratesOf(options), result);
       } else {
         result["times_winkler"] = nullptr;
-        std::printf("  %-100s refused\n", both->name.c_str());
+        std::printf("refused");
       }
+      std::printf("\n");
       results.push_back(std::move(result));
     }
   }

@@ -32,6 +32,9 @@ nlohmann::ordered_json toJson(const std::vector<double>& values);
 // Device, driver, CPU, number of cores, program version, environment variables that change a driver.
 nlohmann::ordered_json machine(const DeviceInfo& device);
 
+// Calls `frame`, which waits for the device, until a GPU has left the clock frequency of its rest; does nothing on a processor.
+void warmUp(const DeviceInfo& device, const std::function<void()>& frame);
+
 // Runs a program's work. Returns its exit status: that of the work; 2 after bad input, 1 after another error, whose message it prints.
 int exitStatus(const std::function<int()>& work);
 

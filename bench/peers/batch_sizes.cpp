@@ -41,6 +41,7 @@ BatchSizes timeBatchSizes(const Device& device, const Sensor& sensor, const Case
     result.sizes.push_back({.num_instances = size});
     secondsOfAll(*simulators.back(), work.poses, static_cast<std::size_t>(size));  // warm-up
   }
+  warmUp(device.info(), [&] { secondsOfAll(*simulators.back(), work.poses, static_cast<std::size_t>(sizes.back())); });
   for (int r = 0; r < repetitions; ++r) {
     const Poses poses = framesOf(work, r + 1)[0];
     for (std::size_t k = 0; k < sizes.size(); ++k)

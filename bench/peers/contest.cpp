@@ -138,14 +138,17 @@ std::vector<Entrant> verifiedPeers(const Model& model, const Sensor& sensor, con
 class Turns {
  public:
   Turns(const Model& model, const Case& work, std::vector<Entrant>& entrants, CaseResult& result)
-      : work_(work),
+      : device_(model.device().info()),
+        work_(work),
         simulator_(model, static_cast<int>(work.numInstances()), {.device_clock = true}),
         entrants_(entrants),
         result_(result) {}
 
-  // `timed`: whether to keep the times; otherwise it is a warm-up.
+  // `timed`: whether to keep the times; otherwise it is a warm-up. A GPU has rested while the peers ran.
   void run(bool timed) {
-    const std::vector<Poses> frames = framesOf(work_, turn_++);
+    const std::vector<Poses> frames = framesOf(work_, turn_), others = framesOf(work_, turn_ + 1);
+    ++turn_;
+    warmUp(device_, [&] { simulator_.run(others[0].ids, others[0].X_SO, frame_); });
     const double seconds = runSimulator(frames, timed);
     const double per_frame = 1 / static_cast<double>(frames.size()), per_instance = seconds / static_cast<double>(work_.numInstances());
     for (Entrant& entrant : entrants_) {
@@ -187,6 +190,7 @@ class Turns {
     return seconds;
   }
 
+  const DeviceInfo& device_;
   const Case& work_;
   TaxelsimPeer simulator_;
   PeerFrame frame_;

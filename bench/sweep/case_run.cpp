@@ -68,7 +68,8 @@ std::string timeText(const CaseResult& result, const FrameTime& time) {
 }
 
 // Times both ends of the descent in turns, so that thermal throttling affects both.
-void runTurns(Trial& chosen, Trial& best, int repetitions, CaseResult& result) {
+void runTurns(const DeviceInfo& device, Trial& chosen, Trial& best, int repetitions, CaseResult& result) {
+  warmUp(device, [&] { chosen.frame(); });
   std::vector<FrameTime> chosen_times, best_times;
   std::vector<double> gains;
   for (int r = -2; r < repetitions; ++r) {
@@ -102,7 +103,7 @@ CaseResult runCase(const Device& device, const SweepCase& work, const CaseOption
   result.chosen = result.best = trial->setting();
   const Outputs expected_checked = copyOf(trial->checked(), kChecked);
   result.hashes = hashesOf(work, batch, expected_checked);
-  result.chosen_time = result.best_time = timeOf(*trial, options.repetitions, options.warm_up);
+  result.chosen_time = result.best_time = timeOf(device.info(), *trial, options.repetitions);
   const Outputs expected = copyOf(trial->timed(), result.num_instances);
   for (const auto& [name, values] : expected.floats) {
     if (name == "ground_truth.total_force")
@@ -120,7 +121,7 @@ CaseResult runCase(const Device& device, const SweepCase& work, const CaseOption
       trial.reset();  // frees the memory of the previous batch
       trial = std::make_unique<Trial>(device, work, batch, result.num_instances, setting);
       tried.difference = firstDifference(expected_checked, trial->checked());
-      tried.time = timeOf(*trial, options.repetitions, 0);
+      tried.time = timeOf(device.info(), *trial, options.repetitions);
       if (tried.difference.empty()) tried.difference = firstDifference(expected, trial->timed());
     } catch (const Error& error) {
       if (std::string_view(error.what()).starts_with(kDeviceLost)) throw;
@@ -140,7 +141,7 @@ CaseResult runCase(const Device& device, const SweepCase& work, const CaseOption
   try {
     trial.reset();
     Trial chosen(device, work, batch, result.num_instances, result.chosen), best(device, work, batch, result.num_instances, result.best);
-    runTurns(chosen, best, options.repetitions, result);
+    runTurns(device.info(), chosen, best, options.repetitions, result);
   } catch (const Error& error) {
     if (!std::string_view(error.what()).starts_with(kOutOfMemory)) throw;
     for (const Tried& tried : result.tried) {

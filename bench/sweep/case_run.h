@@ -17,7 +17,6 @@ struct CaseOptions {
   Descent descent;
   int most_instances = 0;  // 0: those of the case
   int repetitions = 15;
-  double warm_up = 0.5;  // s, before timing
 };
 
 // A setting that was tried.

@@ -46,7 +46,6 @@ CaseOptions caseOptions(const Options& options) {
     of.descent.only = everySecond();
     of.repetitions = std::min(options.repetitions, kQuickRepetitions);
     of.most_instances = options.most_instances > 0 ? options.most_instances : kQuickInstances;
-    of.warm_up = 0;
   }
   return of;
 }

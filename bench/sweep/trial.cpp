@@ -69,9 +69,9 @@ FrameView Trial::checked() {
   return checked_->read();
 }
 
-FrameTime timeOf(Trial& trial, int repetitions, double warm_up) {
-  const auto start = Clock::now();
-  for (int k = 0; k < 2 || secondsSince(start) < warm_up; ++k) trial.frame();
+FrameTime timeOf(const DeviceInfo& device, Trial& trial, int repetitions) {
+  for (int k = 0; k < 2; ++k) trial.frame();
+  warmUp(device, [&] { trial.frame(); });
   std::vector<FrameTime> times;
   for (int r = 0; r < repetitions; ++r) times.push_back(trial.frame());
   return medianOf(times);

@@ -41,8 +41,8 @@ class Trial {
   Setting setting_{};
 };
 
-// Medians of `repetitions` frames, after warm-up frames for `warm_up` seconds, at least two.
-FrameTime timeOf(Trial& trial, int repetitions, double warm_up);
+// Medians of `repetitions` frames after a warm-up.
+FrameTime timeOf(const DeviceInfo& device, Trial& trial, int repetitions);
 
 FrameTime medianOf(const std::vector<FrameTime>& times);
 
