@@ -51,8 +51,7 @@ nlohmann::ordered_json machine(const DeviceInfo& device) {
 }
 
 void warmUp(const DeviceInfo& device, const std::function<void()>& frame) {
-  // An H100 rests at 345 MHz, reaches its 1980 MHz within 0.5 s of work, and loses them within 3 s without work (nvidia-smi, twice a
-  // second).
+  // An H100 rests at 345 MHz, reaches its 1980 MHz within 0.5 s of full load, and loses them within 3 s without work.
   constexpr double kSeconds = 0.5;
   if (device.type == DeviceType::kCpu) return;
   const Stopwatch watch;
