@@ -42,7 +42,7 @@ void addTaxel(uint kind, Part part, uint t, float weight, uint word, vec3 middle
   }
   vec3 p = positionOf(part, t) - middle;
   if (kind == kSumsForce) {
-    bool counts = is_in && reportsForce(weight, CLEAN ? readoutOf(t).y : 0.0);
+    bool counts = is_in && reportsForce(weight, readoutOf(t).y);
     sums.s[0] = max(sums.s[0], weight);
     sums.s[1] += weight;
     sums.s[2] += weight * p.x;

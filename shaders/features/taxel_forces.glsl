@@ -11,7 +11,7 @@ struct Measured {
 };
 
 Measured measuredAt(Instance instance, uint t) {
-  if (CLEAN) {
+  if (is_clean) {
     float force = spread_normal[instance.first_taxel + t];
     return Measured(force, force > max(taxels[t].readout.y, 0.0), false);
   }

@@ -1,19 +1,18 @@
 // Connected regions of an image, contact_regions.comp.
 
-CONSTANT(11, bool, CLEAN)           // from spread_normal, else from the image
-CONSTANT(12, uint, TEAM)            // invocations that share an instance
-CONSTANT(13, uint, REGIONS)         // rows of regions
-CONSTANT(14, uint, NUM_NEIGHBOURS)  // in the list of each taxel; 0: patches are grids
-CONSTANT(15, uint, FORCE_STEPS)     // of the largest force of an image: the sum over all taxels fits into 31 bits
-CONSTANT(16, uint, FIRST_COUNT)     // features per instance before the number of regions
-CONSTANT(17, uint, NUM_PATCHES)     // grids
-CONSTANT(18, int, CURVE_DEGREE)     // this and the rest as in image.h
-CONSTANT(19, float, CURVE_SLOPE)
-CONSTANT(20, float, OUTPUT_SCALE)
-CONSTANT(21, float, TRIGGER)
-CONSTANT(22, float, SATURATION)
-CONSTANT(23, float, CURVE_LIMIT)
-CONSTANT(24, int, CURVE_PIECES)
+CONSTANT(11, uint, TEAM)            // invocations that share an instance
+CONSTANT(12, uint, REGIONS)         // rows of regions
+CONSTANT(13, uint, NUM_NEIGHBOURS)  // in the list of each taxel; 0: patches are grids
+CONSTANT(14, uint, FORCE_STEPS)     // of the largest force of an image: the sum over all taxels fits into 31 bits
+CONSTANT(15, uint, FIRST_COUNT)     // features per instance before the number of regions
+CONSTANT(16, uint, NUM_PATCHES)     // grids
+CONSTANT(17, int, CURVE_DEGREE)     // this and the rest as in image.h
+CONSTANT(18, float, CURVE_SLOPE)
+CONSTANT(19, float, OUTPUT_SCALE)
+CONSTANT(20, float, TRIGGER)
+CONSTANT(21, float, SATURATION)
+CONSTANT(22, float, CURVE_LIMIT)
+CONSTANT(23, int, CURVE_PIECES)
 
 BUFFER(0, readonly, Instances)
 BUFFER(1, readonly, Step)
@@ -29,3 +28,4 @@ BUFFER(10, coherent, RegionSums)
 BUFFER(11, writeonly, Regions)
 BUFFER(12, writeonly, ContactFeatures)
 BUFFER(13, writeonly, Problems)
+BUFFER(14, readonly, FeatureSource)
