@@ -4,7 +4,7 @@
 // Regions pass: which taxels that report are connected, and which of these regions are the largest. Runs before contact_features.comp.
 //
 // A workgroup has WORKGROUP / TEAM teams; each team processes REPEAT instances in sequence. An invocation owns every TEAM-th taxel of an instance.
-// In:  image (num_instances x num_taxels), counts; or spread_normal, by feature_source (num_instances x num_taxels), N.
+// In:  image (num_instances x num_taxels), counts, or in its place spread_normal, N, as feature_source says.
 // Out: forces, N, and taxel_regions, shared/features.h (num_instances x num_taxels, features/taxel_words.glsl); regions (num_instances x REGIONS), largest first;
 //      features: the number of all regions (num_instances). region_sums, likewise, is scratch.
 // Shared memory: 16 WORKGROUP / TEAM bytes.

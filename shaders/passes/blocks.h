@@ -93,6 +93,7 @@
 #define BLOCK_EmptyWork \
   BLOCK(EmptyWork, uvec4, empty_work[])  // what Work starts from in every frame, and the row kSecondDispatch of a second dispatch
 #define BLOCK_PastState BLOCK(PastState, uvec4, past_state[])  // State, to be fetched as texels
+#define BLOCK_Triggers BLOCK(Triggers, float, triggers[])  // of clean forces (t, padded to fours), N
 #define BLOCK_CleanFeatureSource BLOCK(CleanFeatureSource, uint, feature_source)
 #define BLOCK_CleanContactFeatures BLOCK(CleanContactFeatures, float, features[])
 #define BLOCK_CleanTactileJacobian BLOCK(CleanTactileJacobian, float, features[])  // with the wrench's after that of the features
@@ -104,7 +105,7 @@
   BLOCK_Objects BLOCK_Groups BLOCK_Clusters BLOCK_Quads BLOCK_Faces                                             \
   BLOCK_SensorBlock BLOCK_Patches BLOCK_Tiles BLOCK_Taxels BLOCK_SpreadRows BLOCK_SpreadScale BLOCK_Mask         \
   BLOCK_Influence BLOCK_FoundationNodes BLOCK_FoundationLinks BLOCK_FoundationBlocks BLOCK_NearBlocks            \
-  BLOCK_Planes BLOCK_Neighbours BLOCK_FeatureSource                                                                                 \
+  BLOCK_Planes BLOCK_Neighbours BLOCK_FeatureSource BLOCK_Triggers                                                                                 \
   BLOCK_Poses BLOCK_Motions BLOCK_Instances BLOCK_Step BLOCK_Loads BLOCK_Contacts BLOCK_NumContacts              \
   BLOCK_Cotangents BLOCK_ForceCotangents                                                                        \
   BLOCK_Servos BLOCK_Loop BLOCK_LoopStarts BLOCK_LoopState                                                      \

@@ -38,6 +38,7 @@ void ContactFeaturePasses::record(Recorder recorder, bool clean, int max_regions
   if (clean) {
     recorder.bindings.redirect<block::ContactFeatures, block::CleanContactFeatures>();
     recorder.bindings.redirect<block::FeatureSource, block::CleanFeatureSource>();
+    recorder.bindings.redirect<block::Image, block::SpreadNormal>();
   }
   const Kernels& kernels = kernels_.get(max_regions, [&] { return makeKernels(max_regions); });
   recorder.dispatch(kernels.regions, numWorkgroups(recorder.num_instances, kernels.regions_per_workgroup));
