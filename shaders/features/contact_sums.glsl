@@ -26,8 +26,8 @@ void addSums(uint kind, inout PartSums total, PartSums more) {
   if (hasLargest(kind)) total.s[0] = largest;
 }
 
-// Adds taxel `t`. `weight`: its force, N; `word`: its word in taxel_regions. `middle`: the point of the moments, in C; `force`: the largest force (kSumsPeak) or the
-// mean force (kSumsSecond), N.
+// Adds taxel `t`. `weight`: its force, N; `trigger`: that of its clean force, N; `word`: its word in taxel_regions. `middle`: the point of the moments, in C;
+// `force`: the largest force (kSumsPeak) or the mean force (kSumsSecond), N.
 void addTaxel(uint kind, Part part, uint t, float weight, float trigger, uint word, vec3 middle, float force, Ridge ridge, inout PartSums sums) {
   bool is_in_range = t >= part.first && t < part.end, is_in = is_in_range && isOfRegion(part, word);
   t = min(t, NUM_TAXELS - 1u);

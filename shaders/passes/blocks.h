@@ -93,7 +93,7 @@
 #define BLOCK_EmptyWork \
   BLOCK(EmptyWork, uvec4, empty_work[])  // what Work starts from in every frame, and the row kSecondDispatch of a second dispatch
 #define BLOCK_PastState BLOCK(PastState, uvec4, past_state[])  // State, to be fetched as texels
-#define BLOCK_Triggers BLOCK(Triggers, float, triggers[])  // of clean forces (t, padded to fours), N
+#define BLOCK_Triggers BLOCK(Triggers, float, triggers[])      // (t, padded to fours), N
 #define BLOCK_CleanFeatureSource BLOCK(CleanFeatureSource, uint, feature_source)
 #define BLOCK_CleanContactFeatures BLOCK(CleanContactFeatures, float, features[])
 #define BLOCK_CleanTactileJacobian BLOCK(CleanTactileJacobian, float, features[])  // with the wrench's after that of the features
