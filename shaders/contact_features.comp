@@ -11,7 +11,7 @@
 // Parts without force skip all scans but the first.
 // Shared memory: 4 PARTIALS + 4 bytes.
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of team and workgroup.
-// Mutable globals: any_unfinished_loop (driver/loop_limit.glsl).
+// Mutable globals: is_clean; any_unfinished_loop (driver/loop_limit.glsl).
 // Twin: src/reference/contact_features.cpp.
 
 #include "shared/batch.h"
@@ -22,6 +22,8 @@
 #include "passes/contact_features.h"
 
 const uint kTeams = WORKGROUP / TEAM;
+
+bool is_clean;  // whether features are those of the clean forces
 
 #include "common/workgroup.glsl"
 #include "common/instances.glsl"
@@ -61,7 +63,7 @@ shared uint any_team;  // of isTrueForAnyTeam(); a scan's barriers lie between i
 
 // Standard deviation of a taxel's force from noise, N.
 float forceNoise(uint instance) {
-  return CLEAN ? 0.0 : sqrt(NOISE * NOISE + instances[instance].drive.w * instances[instance].drive.w) / SLOPE;
+  return is_clean ? 0.0 : sqrt(NOISE * NOISE + instances[instance].drive.w * instances[instance].drive.w) / SLOPE;
 }
 
 // Whether the condition holds for any team of the workgroup: all execute the same barriers. A team of one invocation has none, and decides alone.
@@ -76,7 +78,7 @@ bool isTrueForAnyTeam(bool condition) {
 
 // All teams execute the same barriers; a team without a part of its own (`is_valid` false) writes nothing.
 void computePart(uint instance, uint which, bool is_valid, uint num_instances) {
-  bool is_due = is_valid && hasNewValues(instance, CLEAN);
+  bool is_due = is_valid && hasNewValues(instance, is_clean);
   Part part = loadPart(instance, which, is_due);
   PartSums sums = sumPart(kSumsForce, part, vec3(0), 0.0);
   if (kList && REGIONS > 0) choosePlane(part, sums);
@@ -111,6 +113,7 @@ void computePart(uint instance, uint which, bool is_valid, uint num_instances) {
 }
 
 void main() {
+  is_clean = feature_source != 0;
   uint num_instances = step_record.batch.x;
   uint number = workgroupNumber(), which = number % kParts;
   uint instance = number / kParts * REPEAT * kTeams + gl_LocalInvocationIndex / TEAM;

@@ -4,12 +4,12 @@
 // Regions pass: which taxels that report are connected, and which of these regions are the largest. Runs before contact_features.comp.
 //
 // A workgroup has WORKGROUP / TEAM teams; each team processes REPEAT instances in sequence. An invocation owns every TEAM-th taxel of an instance.
-// In:  image (num_instances x num_taxels), counts; with CLEAN spread_normal (num_instances x num_taxels), N.
+// In:  image (num_instances x num_taxels), counts, or in its place spread_normal, N, as feature_source says.
 // Out: forces, N, and taxel_regions, shared/features.h (num_instances x num_taxels, features/taxel_words.glsl); regions (num_instances x REGIONS), largest first;
 //      features: the number of all regions (num_instances). region_sums, likewise, is scratch.
 // Shared memory: 16 WORKGROUP / TEAM bytes.
 // Deterministic: a region is named by its lowest taxel, whatever order taxels are united in; forces are summed as integers.
-// Mutable globals: any_unfinished_loop (driver/loop_limit.glsl); the words of the rows (features/region_bits.glsl).
+// Mutable globals: is_clean; any_unfinished_loop (driver/loop_limit.glsl); the words of the rows (features/region_bits.glsl).
 // Twin: src/reference/contact_features.cpp.
 
 #include "shared/batch.h"
@@ -20,6 +20,8 @@
 
 const uint kTeams = WORKGROUP / TEAM;
 const bool kGrids = NUM_NEIGHBOURS == 0;
+
+bool is_clean;  // whether features are those of the clean forces
 
 // One instance, the same for all invocations of its team.
 struct Instance {
@@ -53,7 +55,7 @@ void teamBarrier() {
 // All teams execute the same barriers; a team without an instance of its own (`is_valid` false) writes nothing.
 void findRegions(uint number, bool is_valid, uint num_instances) {
   uint lane = gl_LocalInvocationIndex % TEAM, team = gl_LocalInvocationIndex / TEAM;
-  bool is_due = is_valid && hasNewValues(number, CLEAN);
+  bool is_due = is_valid && hasNewValues(number, is_clean);
   Instance instance = Instance(number, number * NUM_TAXELS, 4u * kTaxelFours * number, is_due ? NUM_TAXELS : 0);
   if (kByBits) {
     float peak = writeForcesByBits(instance);
@@ -83,6 +85,7 @@ void findRegions(uint number, bool is_valid, uint num_instances) {
 }
 
 void main() {
+  is_clean = feature_source != 0;
   uint num_instances = step_record.batch.x;
   uint number = workgroupNumber() * REPEAT * kTeams + gl_LocalInvocationIndex / TEAM;
   uint r = 0;

@@ -13,8 +13,8 @@ vec4 chartOf(uint t) { return floatsOfFour(Taxels, kFoursOfTaxel * t); }
 vec4 readoutOf(uint t) { return floatsOfFour(Taxels, kFoursOfTaxel * t + 1u); }
 vec4 receptionOf(uint t) { return floatsOfFour(Taxels, kFoursOfTaxel * t + 2u); }
 
-// Whether a taxel of this force reports; `trigger`: N. Agrees with taxel_regions, which software drivers read more slowly.
-bool reportsForce(float force, float trigger) { return force > (CLEAN ? trigger : 0.0); }
+// Whether a taxel of this force reports; `trigger`: N, of clean forces. Agrees with taxel_regions, which software drivers read more slowly.
+bool reportsForce(float force, float trigger) { return force > (is_clean ? trigger : 0.0); }
 
 // The taxels of one row of an instance: the sensor's, a patch's or a region's.
 struct Part {

@@ -26,9 +26,9 @@ void addSums(uint kind, inout PartSums total, PartSums more) {
   if (hasLargest(kind)) total.s[0] = largest;
 }
 
-// Adds taxel `t`. `weight`: its force, N; `word`: its word in taxel_regions. `middle`: the point of the moments, in C; `force`: the largest force (kSumsPeak) or the
-// mean force (kSumsSecond), N.
-void addTaxel(uint kind, Part part, uint t, float weight, uint word, vec3 middle, float force, Ridge ridge, inout PartSums sums) {
+// Adds taxel `t`. `weight`: its force, N; `trigger`: that of its clean force, N; `word`: its word in taxel_regions. `middle`: the point of the moments, in C;
+// `force`: the largest force (kSumsPeak) or the mean force (kSumsSecond), N.
+void addTaxel(uint kind, Part part, uint t, float weight, float trigger, uint word, vec3 middle, float force, Ridge ridge, inout PartSums sums) {
   bool is_in_range = t >= part.first && t < part.end, is_in = is_in_range && isOfRegion(part, word);
   t = min(t, NUM_TAXELS - 1u);
   if (kind == kSumsRidge) {
@@ -42,7 +42,7 @@ void addTaxel(uint kind, Part part, uint t, float weight, uint word, vec3 middle
   }
   vec3 p = positionOf(part, t) - middle;
   if (kind == kSumsForce) {
-    bool counts = is_in && reportsForce(weight, CLEAN ? readoutOf(t).y : 0.0);
+    bool counts = is_in && reportsForce(weight, trigger);
     sums.s[0] = max(sums.s[0], weight);
     sums.s[1] += weight;
     sums.s[2] += weight * p.x;
@@ -81,9 +81,10 @@ void addTaxel(uint kind, Part part, uint t, float weight, uint word, vec3 middle
 // Adds the taxels 4 four to 4 four + 3.
 void addFour(uint kind, Part part, uint four, vec3 middle, float force, Ridge ridge, inout PartSums sums) {
   vec4 weights = floatsOfFour(Forces, part.first_four + four);
+  vec4 triggers = kind == kSumsForce ? floatsOfFour(Triggers, four) : vec4(0);
   uvec4 words = uvec4(0);
   if (REGIONS > 0 || kind == kSumsSecond) words = fourOf(TaxelRegions, part.first_four + four);
-  [[unroll]] for (uint k = 0; k < 4u; ++k) addTaxel(kind, part, 4u * four + k, weights[k], words[k], middle, force, ridge, sums);
+  [[unroll]] for (uint k = 0; k < 4u; ++k) addTaxel(kind, part, 4u * four + k, weights[k], triggers[k], words[k], middle, force, ridge, sums);
 }
 
 // Sums of one kind over all taxels of a part; every invocation of the team gets them. A partial sum has every LANES-th four of taxels.

@@ -28,7 +28,7 @@ void markCoreInColumn(Instance instance, uint first, uvec4 grid) {
     if (i < grid.x) run = (taxel_regions[instance.first_word + first + i * grid.y] & kCoreInRow) != 0 ? run + 1u : 0u;
     if (!isInside(i, distance, grid.x, run)) continue;
     uint taxel = first + (i - distance) * grid.y;
-    if (CLEAN || float(image[instance.first_taxel + taxel]) < SATURATION) taxel_regions[instance.first_word + taxel] |= kCoreTaxel;
+    if (is_clean || float(image[instance.first_taxel + taxel]) < SATURATION) taxel_regions[instance.first_word + taxel] |= kCoreTaxel;
   }
   checkLoop(i < grid.x + distance);
 }

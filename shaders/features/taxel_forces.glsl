@@ -11,12 +11,12 @@ struct Measured {
 };
 
 Measured measuredAt(Instance instance, uint t) {
-  if (CLEAN) {
-    float force = spread_normal[instance.first_taxel + t];
+  uint word = image[instance.first_taxel + t];
+  if (is_clean) {
+    float force = uintBitsToFloat(word);
     return Measured(force, force > max(taxels[t].readout.y, 0.0), false);
   }
-  uint counts = image[instance.first_taxel + t];
-  return Measured(nominalForce(counts), counts > 0, float(counts) >= SATURATION);
+  return Measured(nominalForce(word), word > 0, float(word) >= SATURATION);
 }
 
 // Writes the forces of all taxels, and the words in taxel_regions: itself, or kNoRegion where one does not report. Returns the largest force of those that do.

@@ -22,7 +22,8 @@
 #define BLOCK_FoundationBlocks BLOCK(FoundationBlocks, FoundationBlockRecord, foundation_blocks[])  // (num_blocks)
 #define BLOCK_NearBlocks BLOCK(NearBlocks, uint, near_blocks[])                                     // lists, one after another
 #define BLOCK_Planes BLOCK(Planes, PlaneRecord, planes[])
-#define BLOCK_Neighbours BLOCK(Neighbours, uint, neighbours[])  // (NUM_NEIGHBOURS x t), of lower number
+#define BLOCK_Neighbours BLOCK(Neighbours, uint, neighbours[])          // (NUM_NEIGHBOURS x t), of lower number
+#define BLOCK_FeatureSource BLOCK(FeatureSource, uint, feature_source)  // of contact features: 0 the image, 1 the clean forces
 
 // ---- a batch: inputs ----
 #define BLOCK_Poses BLOCK(Poses, PoseRecord, poses[])          // (n x poses of the step), up to (n x num_slots)
@@ -92,6 +93,8 @@
 #define BLOCK_EmptyWork \
   BLOCK(EmptyWork, uvec4, empty_work[])  // what Work starts from in every frame, and the row kSecondDispatch of a second dispatch
 #define BLOCK_PastState BLOCK(PastState, uvec4, past_state[])  // State, to be fetched as texels
+#define BLOCK_Triggers BLOCK(Triggers, float, triggers[])      // (t, padded to fours), N
+#define BLOCK_CleanFeatureSource BLOCK(CleanFeatureSource, uint, feature_source)
 #define BLOCK_CleanContactFeatures BLOCK(CleanContactFeatures, float, features[])
 #define BLOCK_CleanTactileJacobian BLOCK(CleanTactileJacobian, float, features[])  // with the wrench's after that of the features
 #define BLOCK_ServoFeatures BLOCK(ServoFeatures, float, servo_features[])          // Features or ContactFeatures
@@ -102,7 +105,7 @@
   BLOCK_Objects BLOCK_Groups BLOCK_Clusters BLOCK_Quads BLOCK_Faces                                             \
   BLOCK_SensorBlock BLOCK_Patches BLOCK_Tiles BLOCK_Taxels BLOCK_SpreadRows BLOCK_SpreadScale BLOCK_Mask         \
   BLOCK_Influence BLOCK_FoundationNodes BLOCK_FoundationLinks BLOCK_FoundationBlocks BLOCK_NearBlocks            \
-  BLOCK_Planes BLOCK_Neighbours                                                                                 \
+  BLOCK_Planes BLOCK_Neighbours BLOCK_FeatureSource BLOCK_Triggers                                                                                 \
   BLOCK_Poses BLOCK_Motions BLOCK_Instances BLOCK_Step BLOCK_Loads BLOCK_Contacts BLOCK_NumContacts              \
   BLOCK_Cotangents BLOCK_ForceCotangents                                                                        \
   BLOCK_Servos BLOCK_Loop BLOCK_LoopStarts BLOCK_LoopState                                                      \
@@ -114,5 +117,5 @@
   BLOCK_ContactCells BLOCK_TileChanges BLOCK_TaxelJacobian BLOCK_MaskedJacobian BLOCK_WrenchJacobian             \
   BLOCK_Image BLOCK_TaxelCounts BLOCK_SpreadNormal BLOCK_SpreadShear BLOCK_Features BLOCK_ContactFeatures BLOCK_TactileJacobian    \
   BLOCK_SpreadJacobian BLOCK_TwistGradient BLOCK_GainGradient BLOCK_Problems                                                                     \
-  BLOCK_EmptyWork BLOCK_PastState BLOCK_CleanContactFeatures BLOCK_CleanTactileJacobian
+  BLOCK_EmptyWork BLOCK_PastState BLOCK_CleanFeatureSource BLOCK_CleanContactFeatures BLOCK_CleanTactileJacobian
 // clang-format on

@@ -2,16 +2,15 @@
 
 VALUE(kMostSums, 21)  // of any scan
 
-CONSTANT(11, bool, CLEAN)
-CONSTANT(12, uint, TEAM)        // invocations that share a part
-CONSTANT(13, uint, REGIONS)     // rows of regions
-CONSTANT(14, uint, PATCHES)     // rows of patches
-CONSTANT(15, uint, LAST_PLANE)  // that of S
-CONSTANT(16, uint, PARTIALS)    // kMostSums x LANES for every team of more than one invocation
-CONSTANT(17, float, NOISE)      // counts
-CONSTANT(18, float, SLOPE)      // counts/N
-CONSTANT(19, float, STIFFNESS)  // d pressure / d depth = STIFFNESS pressure^(1 - 1 / EXPONENT), N, m
-CONSTANT(20, float, EXPONENT)
+CONSTANT(11, uint, TEAM)        // invocations that share a part
+CONSTANT(12, uint, REGIONS)     // rows of regions
+CONSTANT(13, uint, PATCHES)     // rows of patches
+CONSTANT(14, uint, LAST_PLANE)  // that of S
+CONSTANT(15, uint, PARTIALS)    // kMostSums x LANES for every team of more than one invocation
+CONSTANT(16, float, NOISE)      // counts
+CONSTANT(17, float, SLOPE)      // counts/N
+CONSTANT(18, float, STIFFNESS)  // d pressure / d depth = STIFFNESS pressure^(1 - 1 / EXPONENT), N, m
+CONSTANT(19, float, EXPONENT)
 
 BUFFER(0, readonly, Instances)
 BUFFER(1, readonly, Step)
@@ -22,3 +21,5 @@ TEXELS(5, TaxelRegions)
 BUFFER(6, readonly, Regions)
 BUFFER(7, writeonly, ContactFeatures)
 BUFFER(8, writeonly, Problems)
+BUFFER(9, readonly, FeatureSource)
+TEXELS(10, Triggers)

@@ -1,19 +1,18 @@
 // Connected regions of an image, contact_regions.comp.
 
-CONSTANT(11, bool, CLEAN)           // from spread_normal, else from the image
-CONSTANT(12, uint, TEAM)            // invocations that share an instance
-CONSTANT(13, uint, REGIONS)         // rows of regions
-CONSTANT(14, uint, NUM_NEIGHBOURS)  // in the list of each taxel; 0: patches are grids
-CONSTANT(15, uint, FORCE_STEPS)     // of the largest force of an image: the sum over all taxels fits into 31 bits
-CONSTANT(16, uint, FIRST_COUNT)     // features per instance before the number of regions
-CONSTANT(17, uint, NUM_PATCHES)     // grids
-CONSTANT(18, int, CURVE_DEGREE)     // this and the rest as in image.h
-CONSTANT(19, float, CURVE_SLOPE)
-CONSTANT(20, float, OUTPUT_SCALE)
-CONSTANT(21, float, TRIGGER)
-CONSTANT(22, float, SATURATION)
-CONSTANT(23, float, CURVE_LIMIT)
-CONSTANT(24, int, CURVE_PIECES)
+CONSTANT(11, uint, TEAM)            // invocations that share an instance
+CONSTANT(12, uint, REGIONS)         // rows of regions
+CONSTANT(13, uint, NUM_NEIGHBOURS)  // in the list of each taxel; 0: patches are grids
+CONSTANT(14, uint, FORCE_STEPS)     // of the largest force of an image: the sum over all taxels fits into 31 bits
+CONSTANT(15, uint, FIRST_COUNT)     // features per instance before the number of regions
+CONSTANT(16, uint, NUM_PATCHES)     // grids
+CONSTANT(17, int, CURVE_DEGREE)     // this and the rest as in image.h
+CONSTANT(18, float, CURVE_SLOPE)
+CONSTANT(19, float, OUTPUT_SCALE)
+CONSTANT(20, float, TRIGGER)
+CONSTANT(21, float, SATURATION)
+CONSTANT(22, float, CURVE_LIMIT)
+CONSTANT(23, int, CURVE_PIECES)
 
 BUFFER(0, readonly, Instances)
 BUFFER(1, readonly, Step)
@@ -21,11 +20,11 @@ BUFFER(2, readonly, SensorBlock)
 BUFFER(3, readonly, Taxels)
 BUFFER(4, readonly, Planes)
 BUFFER(5, readonly, Neighbours)
-BUFFER(6, readonly, Image)
-BUFFER(7, readonly, SpreadNormal)
-BUFFER(8, readwrite, Forces)
-BUFFER(9, coherent, TaxelRegions)
-BUFFER(10, coherent, RegionSums)
-BUFFER(11, writeonly, Regions)
-BUFFER(12, writeonly, ContactFeatures)
-BUFFER(13, writeonly, Problems)
+BUFFER(6, readonly, Image)  // or SpreadNormal, as bits
+BUFFER(7, readwrite, Forces)
+BUFFER(8, coherent, TaxelRegions)
+BUFFER(9, coherent, RegionSums)
+BUFFER(10, writeonly, Regions)
+BUFFER(11, writeonly, ContactFeatures)
+BUFFER(12, writeonly, Problems)
+BUFFER(13, readonly, FeatureSource)

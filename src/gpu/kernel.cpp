@@ -35,16 +35,9 @@ void checkInterface(const KernelOptions& options, const Reflection& reflection) 
 
 vk::raii::Pipeline compiled(Context::Vulkan& context, const KernelOptions& options, vk::PipelineLayout layout) {
   return checked("building kernel " + options.name, "", [&] {
-    const vk::raii::ShaderModule module = context.device.createShaderModule({{}, options.spirv.size_bytes(), options.spirv.data()});
-    std::vector<vk::SpecializationMapEntry> entries;
-    std::vector<std::uint32_t> values;
-    for (const Constant& constant : options.constants) {
-      entries.emplace_back(constant.id, static_cast<std::uint32_t>(values.size() * sizeof(std::uint32_t)), sizeof(std::uint32_t));
-      values.push_back(constant.value);
-    }
-    const vk::SpecializationInfo specialization(static_cast<std::uint32_t>(entries.size()), entries.data(),
-                                                values.size() * sizeof(std::uint32_t), values.data());
-    const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main", &specialization);
+    const std::vector<std::uint32_t> words = specialize(options.spirv, options.constants);
+    const vk::raii::ShaderModule module = context.device.createShaderModule({{}, words.size() * sizeof(words[0]), words.data()});
+    const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main");
     vk::raii::Pipeline pipeline = context.device.createComputePipeline(context.pipeline_cache, {{}, stage, layout});
     context.name(pipeline, options.name);
     context.pipelines_changed = true;

@@ -8,14 +8,9 @@
 #include <vector>
 
 #include "gpu/context.h"
+#include "gpu/specialization.h"
 
 namespace taxelsim::gpu {
-
-// Value of one specialization constant, by its constant_id.
-struct Constant {
-  std::uint32_t id = 0;
-  std::uint32_t value = 0;
-};
 
 struct KernelOptions {
   std::string name;

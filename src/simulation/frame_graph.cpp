@@ -122,7 +122,7 @@ void recordImage(const Model::Impl& model, const BatchShape& shape, Recorder& re
   if (outputs.taxel_counts) model.three_axis.record(recorder, kind.random);
   for (const bool clean : {false, true}) {
     if (!(clean ? outputs.clean_contact_features : outputs.contact_features)) continue;
-    model.contact_features.record(recorder, {.clean = clean, .max_regions = shape.options.max_regions});
+    model.contact_features.record(recorder, clean, shape.options.max_regions);
   }
   if (shape.outputsJacobian()) model.tactile_jacobian.recordTaxels(recorder);
   if (outputs.clean_tactile_jacobian) model.tactile_jacobian.recordWrench(recorder);

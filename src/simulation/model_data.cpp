@@ -80,6 +80,12 @@ void uploadSensor(const ModelData& model, ModelBuffers& buffers) {
   buffers.upload<block::Mask>("mask", model.mask.empty() ? std::vector<glm::vec2>(2) : model.mask);
   buffers.upload<block::Planes>("planes", model.packed_contact.planes);
   buffers.upload<block::Neighbours>("neighbours", model.packed_contact.neighbours);
+  std::vector<float> triggers;
+  for (const layout::TaxelRecord& taxel : packed.taxels) triggers.push_back(taxel.readout.y);
+  triggers.resize((triggers.size() + 3) / 4 * 4);
+  buffers.upload<block::Triggers>("triggers", triggers);
+  buffers.upload<block::FeatureSource>("feature source", {0});
+  buffers.upload<block::CleanFeatureSource>("feature source of clean forces", {1});
   if (model.linked) {
     buffers.upload<block::FoundationNodes>("nodes of the foundation", model.linked->nodes);
     buffers.upload<block::FoundationLinks>("links of the foundation", model.linked->links);

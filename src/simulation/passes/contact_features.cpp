@@ -34,36 +34,39 @@ std::uint64_t partIterations(const ModelData& model) {
 
 }  // namespace
 
-void ContactFeaturePasses::record(Recorder recorder, const Variant& variant) const {
-  if (variant.clean) recorder.bindings.redirect<block::ContactFeatures, block::CleanContactFeatures>();
-  const Kernels& kernels = kernels_.get(variant, [&] { return makeKernels(variant); });
+void ContactFeaturePasses::record(Recorder recorder, bool clean, int max_regions) const {
+  if (clean) {
+    recorder.bindings.redirect<block::ContactFeatures, block::CleanContactFeatures>();
+    recorder.bindings.redirect<block::FeatureSource, block::CleanFeatureSource>();
+    recorder.bindings.redirect<block::Image, block::SpreadNormal>();
+  }
+  const Kernels& kernels = kernels_.get(max_regions, [&] { return makeKernels(max_regions); });
   recorder.dispatch(kernels.regions, numWorkgroups(recorder.num_instances, kernels.regions_per_workgroup));
   // The row of a single patch is the sensor's.
-  const std::uint64_t num_parts =
-      numContactRows(model_.packed_contact, variant.max_regions) - (model_.packed_contact.num_patches == 1 ? 1 : 0);
+  const std::uint64_t num_parts = numContactRows(model_.packed_contact, max_regions) - (model_.packed_contact.num_patches == 1 ? 1 : 0);
   recorder.dispatch(kernels.features,
                     numWorkgroups(recorder.num_instances, kernels.features_per_workgroup) * static_cast<std::uint32_t>(num_parts));
 }
 
-ContactFeaturePasses::Kernels ContactFeaturePasses::makeKernels(const Variant& variant) const {
+ContactFeaturePasses::Kernels ContactFeaturePasses::makeKernels(int max_regions) const {
   constexpr std::uint32_t kTaxelsPerInvocation = 4, kNoLanes = 1;
-  const TeamSizes regions = teamSizes(wanted_workgroup_, model_.profile, regionIterations(model_, variant.max_regions), kNoLanes,
+  const TeamSizes regions = teamSizes(wanted_workgroup_, model_.profile, regionIterations(model_, max_regions), kNoLanes,
                                       std::bit_ceil(model_.num_taxels / kTaxelsPerInvocation + 1));
   const std::uint32_t lanes = model_.packed_contact.lanes;
   const TeamSizes features = teamSizes(wanted_workgroup_, model_.profile, partIterations(model_), lanes, lanes);
-  return {makeRegions(variant, regions), makeFeatures(variant, features), regions.itemsPerWorkgroup(), features.itemsPerWorkgroup()};
+  return {makeRegions(max_regions, regions), makeFeatures(max_regions, features), regions.itemsPerWorkgroup(),
+          features.itemsPerWorkgroup()};
 }
 
-gpu::PassKernel<ContactRegionsInterface> ContactFeaturePasses::makeRegions(const Variant& variant, const TeamSizes& sizes) const {
+gpu::PassKernel<ContactRegionsInterface> ContactFeaturePasses::makeRegions(int max_regions, const TeamSizes& sizes) const {
   const Readout& readout = model_.sensor.readout;
   const PackedContactFeatures& packed = model_.packed_contact;
   return {model_.context(), "contact_regions", k_contact_regions_spirv, commonConstants(model_.sensor, model_.packed, sizes.pass),
-          ContactRegionsInterface{.CLEAN = variant.clean,
-                                  .TEAM = sizes.team,
-                                  .REGIONS = variant.max_regions,
+          ContactRegionsInterface{.TEAM = sizes.team,
+                                  .REGIONS = max_regions,
                                   .NUM_NEIGHBOURS = packed.num_neighbours,
                                   .FORCE_STEPS = packed.force_steps,
-                                  .FIRST_COUNT = layout::kNumContactFeatures * numContactRows(packed, variant.max_regions),
+                                  .FIRST_COUNT = layout::kNumContactFeatures * numContactRows(packed, max_regions),
                                   .NUM_PATCHES = model_.sensor.patches.size(),
                                   .CURVE_DEGREE = readout.curve.size(),
                                   .CURVE_SLOPE = slopeAtZero(readout),
@@ -74,15 +77,14 @@ gpu::PassKernel<ContactRegionsInterface> ContactFeaturePasses::makeRegions(const
                                   .CURVE_PIECES = readout.curve_points.size()}};
 }
 
-gpu::PassKernel<ContactFeaturesInterface> ContactFeaturePasses::makeFeatures(const Variant& variant, const TeamSizes& sizes) const {
+gpu::PassKernel<ContactFeaturesInterface> ContactFeaturePasses::makeFeatures(int max_regions, const TeamSizes& sizes) const {
   const Readout& readout = model_.sensor.readout;
   const PackedContactFeatures& packed = model_.packed_contact;
   return {model_.context(), "contact_features",
           model_.profile.select({k_contact_features_spirv, k_contact_features_lockstep_spirv}, sizes.pass.workgroup),
           commonConstants(model_.sensor, model_.packed, sizes.pass),
-          ContactFeaturesInterface{.CLEAN = variant.clean,
-                                   .TEAM = sizes.team,
-                                   .REGIONS = variant.max_regions,
+          ContactFeaturesInterface{.TEAM = sizes.team,
+                                   .REGIONS = max_regions,
                                    .PATCHES = packed.num_patches,
                                    .LAST_PLANE = model_.sensor.patches.size(),
                                    .PARTIALS = sizes.numPartials(kMostSums),

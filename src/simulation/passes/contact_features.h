@@ -11,15 +11,10 @@ namespace taxelsim {
 
 class ContactFeaturePasses {
  public:
-  struct Variant {
-    bool clean = false;  // from the clean forces, into CleanContactFeatures; else from the image
-    int max_regions = 0;
-    auto operator<=>(const Variant&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 misreads it
-  };
-
   ContactFeaturePasses(const ModelData& model, const ModelOptions& options) : model_(model), wanted_workgroup_(options.image_workgroup) {}
 
-  void record(Recorder recorder, const Variant& variant) const;
+  // `clean`: from the clean forces, into CleanContactFeatures; else from the image. Both run the same kernels.
+  void record(Recorder recorder, bool clean, int max_regions) const;
 
  private:
   struct Kernels {
@@ -27,13 +22,13 @@ class ContactFeaturePasses {
     gpu::PassKernel<ContactFeaturesInterface> features;
     std::uint32_t regions_per_workgroup = 1, features_per_workgroup = 1;  // instances
   };
-  Kernels makeKernels(const Variant& variant) const;
-  gpu::PassKernel<ContactRegionsInterface> makeRegions(const Variant& variant, const TeamSizes& sizes) const;
-  gpu::PassKernel<ContactFeaturesInterface> makeFeatures(const Variant& variant, const TeamSizes& sizes) const;
+  Kernels makeKernels(int max_regions) const;
+  gpu::PassKernel<ContactRegionsInterface> makeRegions(int max_regions, const TeamSizes& sizes) const;
+  gpu::PassKernel<ContactFeaturesInterface> makeFeatures(int max_regions, const TeamSizes& sizes) const;
 
   const ModelData& model_;
   int wanted_workgroup_;  // 0: chosen here
-  KernelCache<Variant, Kernels> kernels_;
+  KernelCache<int, Kernels> kernels_;
 };
 
 }  // namespace taxelsim
