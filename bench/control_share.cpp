@@ -121,7 +121,7 @@ nlohmann::ordered_json runRobot(const Model& model, Scene scene, const std::stri
   scene.robot = robot;
   scene.num_steps = options.num_ticks + kWarmUps;
   SlicePlan plan(scene, {.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false});
-  plan.sink_reads = {.object_poses = false, .sensor_poses = false, .actions = false, .robot_status = true};
+  plan.sink_reads = {.object_poses = false, .sensor_poses = false, .actions = false, .robot_status = true, .joints = false};
   plan.host_threads = options.num_threads;
   plan.loops = options.loops;
   const bool on_device = plan.deviceLoops(model).has_value();
@@ -197,8 +197,7 @@ int main(int argc, char** argv) {
   app.add_option("--threads", options.num_threads, "Host threads that share the loops; 0: as the library chooses for the device")
       ->check(CLI::Range(0, 256))
       ->capture_default_str();
-  app.add_option("--loops", options.loops,
-                 "Where the loops of free-flying servos are closed: where it is faster, on the host, on the device")
+  app.add_option("--loops", options.loops, "Where the loops are closed: where it is faster, on the host, on the device")
       ->transform(CLI::CheckedTransformer(taxelsim::bench::kLoops, CLI::ignore_case));
   app.add_option("--device", options.device, "Device, as for `taxelsim frame --device`");
   CLI11_PARSE(app, argc, argv);

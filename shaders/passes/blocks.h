@@ -38,6 +38,7 @@
 
 #define BLOCK_Servos BLOCK(Servos, ServoRecord, servos[])
 #define BLOCK_Loop BLOCK(Loop, LoopRecord, servo_loop)
+#define BLOCK_Robot BLOCK(Robot, RobotRecord, robot)
 #define BLOCK_LoopStarts BLOCK(LoopStarts, LoopStartRecord, loop_starts[])  // (n)
 
 // ---- a batch: between steps and between passes ----
@@ -70,7 +71,7 @@
 #define BLOCK_TaxelJacobian BLOCK(TaxelJacobian, float, taxel_jacobian[])    // (n x 6 x t), N/m and N/rad
 #define BLOCK_MaskedJacobian BLOCK(MaskedJacobian, float, masked_jacobian[])
 #define BLOCK_WrenchJacobian BLOCK(WrenchJacobian, float, wrench_jacobian[])  // (n x num_tiles x 6 x 6)
-#define BLOCK_LoopState BLOCK(LoopState, double, loop_state[])                // (kNumLoopState x n), passes/servo.h
+#define BLOCK_LoopState BLOCK(LoopState, double, loop_state[])                // (values of a loop x n), passes/servo.h
 
 // ---- a batch: results ----
 #define BLOCK_Image BLOCK(Image, uint, image[])                         // (n x t), counts
@@ -79,15 +80,17 @@
 #define BLOCK_SpreadShear BLOCK(SpreadShear, float, spread_shear[])     // (n x t x 2), N
 #define BLOCK_Features BLOCK(Features, float, features[])               // kFeature..., block after block
 #define BLOCK_ContactFeatures BLOCK(ContactFeatures, float, features[])
-#define BLOCK_TactileJacobian BLOCK(TactileJacobian, float, features[])       // kJacobian..., block after block
-#define BLOCK_SpreadJacobian BLOCK(SpreadJacobian, float, spread_jacobian[])  // (n x 6 x t), N/m and N/rad
-#define BLOCK_TwistGradient BLOCK(TwistGradient, float, twist_gradient[])     // (n x 6), per m and per rad
-#define BLOCK_GainGradient BLOCK(GainGradient, float, gain_gradient[])        // (n x t)
-#define BLOCK_ObjectPoses BLOCK(ObjectPoses, double, object_poses[])          // (n x 7), X_SO: position, m, rotation w, x, y, z
-#define BLOCK_SensorPoses BLOCK(SensorPoses, double, sensor_poses[])          // (n x 7), X_WS likewise
-#define BLOCK_Actions BLOCK(Actions, double, actions[])                       // (n x 6), v, m/s, w, rad/s
-#define BLOCK_RobotStatuses BLOCK(RobotStatuses, uint, robot_status[])        // (n), flags of RobotStatus
-#define BLOCK_Problems BLOCK(Problems, uint, problems[])                      // (1): 1 where a driver ended a loop early
+#define BLOCK_TactileJacobian BLOCK(TactileJacobian, float, features[])           // kJacobian..., block after block
+#define BLOCK_SpreadJacobian BLOCK(SpreadJacobian, float, spread_jacobian[])      // (n x 6 x t), N/m and N/rad
+#define BLOCK_TwistGradient BLOCK(TwistGradient, float, twist_gradient[])         // (n x 6), per m and per rad
+#define BLOCK_GainGradient BLOCK(GainGradient, float, gain_gradient[])            // (n x t)
+#define BLOCK_ObjectPoses BLOCK(ObjectPoses, double, object_poses[])              // (n x 7), X_SO: position, m, rotation w, x, y, z
+#define BLOCK_SensorPoses BLOCK(SensorPoses, double, sensor_poses[])              // (n x 7), X_WS likewise
+#define BLOCK_Actions BLOCK(Actions, double, actions[])                           // (n x 6), v, m/s, w, rad/s
+#define BLOCK_RobotStatuses BLOCK(RobotStatuses, uint, robot_status[])            // (n), flags of RobotStatus
+#define BLOCK_JointPositions BLOCK(JointPositions, double, joint_positions[])     // (n x num_joints), rad or m
+#define BLOCK_JointVelocities BLOCK(JointVelocities, double, joint_velocities[])  // (n x num_joints), per s
+#define BLOCK_Problems BLOCK(Problems, uint, problems[])                          // (1): 1 where a driver ended a loop early
 
 // ---- host only: copied from, or bound in place of another block ----
 #define BLOCK_EmptyWork \
@@ -108,7 +111,8 @@
   BLOCK_Planes BLOCK_Neighbours BLOCK_FeatureSource BLOCK_Triggers                                                                                 \
   BLOCK_Poses BLOCK_Motions BLOCK_Instances BLOCK_Step BLOCK_Loads BLOCK_Contacts BLOCK_NumContacts              \
   BLOCK_Cotangents BLOCK_ForceCotangents                                                                        \
-  BLOCK_Servos BLOCK_Loop BLOCK_LoopStarts BLOCK_LoopState                                                      \
+  BLOCK_Servos BLOCK_Loop BLOCK_Robot BLOCK_LoopStarts BLOCK_LoopState                                          \
+  BLOCK_JointPositions BLOCK_JointVelocities                                                                    \
   BLOCK_ObjectPoses BLOCK_SensorPoses BLOCK_Actions BLOCK_RobotStatuses BLOCK_ServoFeatures                      \
   BLOCK_Candidates BLOCK_CandidateQuads BLOCK_Work BLOCK_WorkInstances                                          \
   BLOCK_State BLOCK_FrictionState BLOCK_LawState BLOCK_ContactNormal BLOCK_ContactShear BLOCK_ContactDepth       \

@@ -1,4 +1,4 @@
-// Closed loop of free-flying sensors, servo.comp.
+// Closed loops of tactile servos, servo.comp.
 
 CONSTANT(11, uint, CONTROL_PERIOD)  // frames
 CONSTANT(12, bool, STARTS_AT_LOAD)  // the default reference of the force is that of the start record, not the total force of frame 0
@@ -8,6 +8,13 @@ CONSTANT(15, bool, OBJECT_POSES)    // whether the host reads these outputs
 CONSTANT(16, bool, SENSOR_POSES)
 CONSTANT(17, bool, ACTIONS)
 CONSTANT(18, bool, ROBOT_STATUS)
+CONSTANT(19, bool, JOINTS)
+CONSTANT(20, bool, MANIPULATOR)  // otherwise the sensor is free-flying, and the constants below are 1
+CONSTANT(21, uint, NUM_JOINTS)
+CONSTANT(22, uint, NUM_CHAIN_JOINTS)
+CONSTANT(23, uint, TWIST_ROWS)  // selected components of a twist
+CONSTANT(24, uint, GRAM_SIZE)   // the smaller one of TWIST_ROWS and NUM_JOINTS
+CONSTANT(25, uint, DELAY)       // of the drives, frames
 
 BUFFER(0, readonly, Instances)
 BUFFER(1, readonly, Step)
@@ -23,6 +30,9 @@ BUFFER(10, writeonly, ObjectPoses)
 BUFFER(11, writeonly, SensorPoses)
 BUFFER(12, writeonly, Actions)
 BUFFER(13, writeonly, RobotStatuses)
+BUFFER(14, readonly, Robot)
+BUFFER(15, writeonly, JointPositions)
+BUFFER(16, writeonly, JointVelocities)
 
 VALUE(kStateSensor, 0)       // X_WS: position, rotation
 VALUE(kStateIntegral, 7)     // by feature
@@ -31,4 +41,9 @@ VALUE(kStateTwist, 21)       // commanded
 VALUE(kStateLoadOffset, 27)  // m
 VALUE(kStateStartForce, 28)  // N
 VALUE(kStateStatus, 29)      // RobotStatus of the last motion
-VALUE(kNumLoopState, 30)
+VALUE(kNumLoopState, 30)     // of a free-flying sensor; of a manipulator, kNumJointState + DELAY values of each joint follow
+VALUE(kJointPosition, 0)
+VALUE(kJointVelocity, 1)
+VALUE(kJointCommand, 2)
+VALUE(kJointJacobian, 3)  // twist (v, w) of the sensor in S per unit velocity
+VALUE(kNumJointState, 9)

@@ -1,10 +1,13 @@
 // State of one loop between frames, and its features. In: instances, loop_starts, servo_loop, servos, features, servo_features, loop_state.
 
-const double kLost = 8.0lf;  // RobotStatus, src/control/robots.h
+const uint kJointLimit = 1, kVelocityLimit = 2, kSingular = 4, kLost = 8;  // RobotStatus, src/control/robots.h
 
 uint stateAt(uint i, uint number) { return number * step_record.batch.x + i; }
 double readState(uint i, uint number) { return loop_state[stateAt(i, number)]; }
 void writeState(uint i, uint number, double value) { loop_state[stateAt(i, number)] = value; }
+
+double readJoint(uint i, uint joint, uint number) { return readState(i, kNumLoopState + kNumJointState * joint + number); }
+void writeJoint(uint i, uint joint, uint number, double value) { writeState(i, kNumLoopState + kNumJointState * joint + number, value); }
 
 float firstFeature(uint i, uint offset) { return features[offset * step_record.batch.x + i]; }
 
@@ -29,9 +32,8 @@ Twist readTwist(uint i) {
   return twist;
 }
 
-// The sensor starts at the origin of W. A load search has moved the object along z.
-void startEpisode(uint i) {
-  writeSensorPose(i, Pose(dvec3(0.0lf), dvec4(1.0lf, 0.0lf, 0.0lf, 0.0lf)));
+// A load search has moved the object along z.
+void startLoop(uint i) {
   for (uint f = 0; f < kServoFeatures; ++f) {
     writeState(i, kStateIntegral + f, 0.0lf);
     writeState(i, kStateError + f, undefinedValue());
@@ -98,15 +100,19 @@ void actOnFeatures(uint i) {
   }
 }
 
+void startFreeFlying(uint i) {
+  writeSensorPose(i, Pose(dvec3(0.0lf), dvec4(1.0lf, 0.0lf, 0.0lf, 0.0lf)));
+}
+
 // X_WS after a step at the twist, where both are finite.
-Pose moveSensor(uint i, Pose X_WS, Twist twist) {
+Pose moveFreeFlying(uint i, Pose X_WS, Twist twist) {
   bool moves = isFinite(twist.v) && isFinite(twist.w);
   Pose moved = X_WS;
   if (moves) {
     moved = compose(X_WS, exponential(twist.v, twist.w, servo_loop.time.x));
     moves = isFinite(moved);
   }
-  writeState(i, kStateStatus, moves ? 0.0lf : kLost);
+  writeState(i, kStateStatus, moves ? 0.0lf : double(kLost));
   if (!moves) return X_WS;
   writeSensorPose(i, moved);
   return moved;

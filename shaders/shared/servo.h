@@ -52,6 +52,37 @@ struct LoopStartRecord {
   uvec4 keys;        // 1 if the instance runs an episode; servo; object; 0
 };
 
+TAXELSIM_CONSTANT kLoopJoints = 32u;  // as kMaxJoints and kMaxChainJoints, include/taxelsim/robot.h
+TAXELSIM_CONSTANT kLoopChainJoints = 64u;
+
+// Degree of freedom of a robot, rad or m.
+struct JointRecord {
+  dvec2 limits;       // lower, upper position
+  dvec2 steps;        // lowest and highest multiple of the drive's step within them
+  dvec2 velocity;     // limit; 0
+  dvec2 start;        // position; command
+  dvec2 jacobian[3];  // at the start: v x, y; z, w x; y, z; as Chain::poseAt()
+};
+
+// Joint between base and sensor.
+struct ChainJointRecord {
+  dvec2 X_PJ[4];   // position x, y, m; z, rotation w; x, y; z, 0
+  dvec2 position;  // multiplier; offset
+  uvec4 keys;      // degree of freedom; 1 if prismatic; 0, 0
+};
+
+// A manipulator. Its base stands such that the sensor starts at the origin of W.
+struct RobotRecord {
+  JointRecord joints[kLoopJoints];
+  ChainJointRecord chain[kLoopChainJoints];
+  dvec2 X_JS[4];  // as X_PJ
+  dvec2 X_WB[4];
+  dvec2 X_WS[4];   // at the start
+  dvec2 singular;  // squares of the threshold and of the largest damping
+  dvec2 drive;     // step, rad or m; 0
+  uvec4 rows[2];   // selected components of a twist (v, w), ascending
+};
+
 TAXELSIM_LAYOUT_END
 
 #endif

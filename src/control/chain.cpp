@@ -2,16 +2,17 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "base/quaternion.h"
+#include "base/sin_cos.h"
 #include "base/vector3.h"
 
 namespace taxelsim {
 namespace {
 
 // q times a rotation about z, given by sine and cosine of half its angle; not normalised.
-Quaternion rotateAboutZ(const Quaternion& q, double sine, double cosine) {
+Quaternion rotateAboutZ(const Quaternion& q, const SinCos& half) {
+  const auto [sine, cosine] = half;
   return {q[0] * cosine - q[3] * sine, q[1] * cosine + q[2] * sine, q[2] * cosine - q[1] * sine, q[3] * cosine + q[0] * sine};
 }
 
@@ -50,7 +51,7 @@ Pose Chain::poseAt(const double* q, double* jacobian) const {
     axes[k] = {zAxisOf(X.rotation), X.position};
     const double position = joint.multiplier * q[joint.joint] + joint.offset;
     if (joint.type == JointType::kRevolute) {
-      X.rotation = rotateAboutZ(X.rotation, std::sin(position / 2), std::cos(position / 2));
+      X.rotation = rotateAboutZ(X.rotation, sinCos(position / 2));
     } else {
       X.position = add(X.position, scale(position, axes[k].direction));
     }

@@ -1,7 +1,7 @@
 // Forward kinematics and geometric Jacobian of the kinematic chain from a robot's base to one sensor.
 //
-// Evaluates one instance at a time, without allocation and without vectorised sine and cosine, whose last bit may depend on the position in
-// the vector: results are bitwise independent of the batch. KDL is used for loading only (urdf_model.h).
+// Evaluates one instance at a time, without allocation. Sine and cosine are those of base/sin_cos.h, so that a device computes the same
+// bits: twin shaders/servo/chain.glsl. KDL is used for loading only (urdf_model.h).
 #pragma once
 
 #include <vector>

@@ -70,6 +70,7 @@ class Robots {
   // The same of any sensor.
   Twist twistOf(int i, int sensor, std::span<const double> joint_velocities) const;
 
+  std::span<const Pose> X_WB() const { return X_WB_; }                     // (num_instances), of the bases
   std::span<const Pose> X_WS() const { return X_WS_; }                     // (num_instances x num_sensors)
   std::span<const double> jointPositions() const { return positions_; }    // (num_instances x num_joints), rad or m
   std::span<const double> jointVelocities() const { return velocities_; }  // the same of the joints, not of their commands; rad/s or m/s

@@ -5,6 +5,8 @@
 #include <numbers>
 
 #include "base/sin_cos.h"
+#include "control/chain.h"
+#include "control/robots.h"
 #include "scene/skin_ranges.h"
 #include "sensor/skin.h"
 
@@ -15,12 +17,31 @@ bool isZero(const Range& range) {
   return range.min == 0 && range.max == 0;
 }
 
-std::string_view whyOnHost(const TactileServo& servo, double dt) {
+std::string_view whyOnHost(const TactileServo& servo, bool is_free_flying, double dt) {
   if (servo.jacobian != TactileJacobianSource::kNominal) return "a servo inverts the measured Jacobian";
   if (servo.edge_angle_source == EdgeAngleSource::kExact) return "a servo reads the exact edge angle";
-  // Bounds of what the device reduces: differences of line angles, and half the rotation of a step.
+  // A difference of line angles is reduced once.
   if (std::abs(servo[ServoFeature::kEdgeAngle].reference.value_or(0)) > std::numbers::pi / 2) return "a reference angle is too large";
-  if (!(servo.max_angular_velocity * dt <= kLargestReducedAngle)) return "a servo may rotate too far in a step";
+  // The exponential takes the sine of half the rotation.
+  if (is_free_flying && !(servo.max_angular_velocity * dt <= kLargestReducedAngle)) return "a servo may rotate too far in a step";
+  return {};
+}
+
+// Largest angle or position that a joint can reach in an episode.
+double reachOf(const Joint& joint, double step, double duration) {
+  const double moved = std::abs(joint.initial_position) + step + joint.max_velocity * duration;
+  return std::min(std::max(std::abs(joint.lower), std::abs(joint.upper)), moved);
+}
+
+std::string_view whyOnHost(const Manipulator& robot, double duration) {
+  if (robot.sensors.size() > 1) return "the robot carries several sensors";
+  const MountedSensor& sensor = robot.sensors.front();
+  if (sensor.chain.empty()) return "no joint moves the sensor";
+  for (const ChainJoint& joint : sensor.chain) {
+    const double reach = reachOf(robot.joints[static_cast<std::size_t>(joint.joint)], robot.drive.position_step, duration);
+    const double largest = std::abs(joint.multiplier) * reach + std::abs(joint.offset);
+    if (joint.type == JointType::kRevolute && !(largest <= kLargestReducedAngle)) return "a joint may turn too far";
+  }
   return {};
 }
 
@@ -29,7 +50,11 @@ std::string_view whyOnHost(const TactileServo& servo, double dt) {
 std::string_view whyOnHost(const SlicePlan& plan) {
   const Scene& scene = plan.scene;
   if (!plan.servos) return "the scene's servos do not command";
-  if (!std::holds_alternative<FreeFlying>(scene.robot)) return "the robot is not free-flying";
+  const auto* const manipulator = std::get_if<Manipulator>(&scene.robot);
+  if (manipulator != nullptr) {
+    const std::string_view why = whyOnHost(*manipulator, plan.num_frames * plan.dt);
+    if (!why.empty()) return why;
+  }
   if (scene.contact_points) return "contact points are recorded";
   if (scene.objects.empty()) return "no objects";
   if (std::any_of(scene.objects.begin(), scene.objects.end(), [](const SceneObject& object) { return object.motion.has_value(); })) {
@@ -41,10 +66,26 @@ std::string_view whyOnHost(const SlicePlan& plan) {
   if (variesMounting(scene.randomization)) return "the mounting varies";
   for (int c = 0; c < static_cast<int>(scene.controllers.size()); ++c) {
     if (plan.servos->servo && *plan.servos->servo != c) continue;
-    const std::string_view why = whyOnHost(scene.controllers[static_cast<std::size_t>(c)].servo, plan.dt);
+    const std::string_view why = whyOnHost(scene.controllers[static_cast<std::size_t>(c)].servo, manipulator == nullptr, plan.dt);
     if (!why.empty()) return why;
   }
   return {};
+}
+
+std::optional<LoopRobot> loopRobotOf(const Robot& robot) {
+  const auto* const manipulator = std::get_if<Manipulator>(&robot);
+  if (manipulator == nullptr) return {};
+  Robots rest(robot, 1);
+  rest.reset(0, Pose{});
+  LoopRobot start{.robot = *manipulator,
+                  .X_WB = rest.X_WB()[0],
+                  .X_WS = rest.X_WS()[0],
+                  .positions = {rest.jointPositions().begin(), rest.jointPositions().end()},
+                  .commands = {},
+                  .jacobian = std::vector<double>(6 * manipulator->joints.size())};
+  for (const Joint& joint : manipulator->joints) start.commands.push_back(joint.initial_position);
+  Chain(manipulator->sensors.front(), rest.numJoints()).poseAt(start.positions.data(), start.jacobian.data());
+  return start;
 }
 
 DeviceServoController::DeviceServoController(const ServoPlan& servos, const EpisodePlan& episodes, ServoLoop& loop)

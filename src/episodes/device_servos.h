@@ -1,6 +1,7 @@
 // Servos whose loop the device closes: simulation/servo_loop.h.
 #pragma once
 
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -11,6 +12,9 @@ namespace taxelsim {
 
 // Why the host must close the loops of a run; empty if a device with 64-bit floating point can.
 std::string_view whyOnHost(const SlicePlan& plan);
+
+// The robot and its state at the start of an episode; empty for free-flying sensors.
+std::optional<LoopRobot> loopRobotOf(const Robot& robot);
 
 // Starts the loops of a batch and describes them; the device commands.
 class DeviceServoController : public Controller {

@@ -239,8 +239,8 @@ FrameContext EpisodeBatch::context() const {
           .actions = loop_ ? loop_->actions() : actions_,
           .controller_actions = loop_ ? loop_->actions() : twists_,
           .X_WS = loop_ ? loop_->X_WS() : robots_.X_WS(),
-          .joint_positions = robots_.jointPositions(),
-          .joint_velocities = robots_.jointVelocities(),
+          .joint_positions = loop_ ? loop_->jointPositions() : robots_.jointPositions(),
+          .joint_velocities = loop_ ? loop_->jointVelocities() : robots_.jointVelocities(),
           .robot_status = loop_ ? loop_->status() : robots_.status(),
           .team = &team_};
 }

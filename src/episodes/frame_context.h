@@ -27,7 +27,7 @@ struct EpisodeRecord {
 };
 
 // State of a frame in addition to the outputs of the simulator. Arrays have shape (num_instances) unless noted; the simulator's outputs
-// have num_sensors rows per instance. Poses, actions and status are empty if the sink does not read them (SlicePlan::sink_reads).
+// have num_sensors rows per instance. Poses, actions, status and joints are empty if the sink does not read them (SlicePlan::sink_reads).
 struct FrameContext {
   std::span<const std::uint8_t> active;  // 0: the instance is idle, and its rows are undefined
   std::span<const double> times;         // s, since the start of the episode

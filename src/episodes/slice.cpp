@@ -94,7 +94,8 @@ std::optional<ServoLoopPlan> SlicePlan::deviceLoops(const Model& model) const {
                      .control_period = control_period,
                      .starts_at_load = starts_at_load,
                      .reads_contact_features = servos->needs_contact_features,
-                     .outputs = sink_reads};
+                     .outputs = sink_reads,
+                     .robot = loopRobotOf(scene.robot)};
   for (const SceneController& controller : scene.controllers) plan.servos.push_back(controller.servo);
   return plan;
 }

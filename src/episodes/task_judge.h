@@ -23,7 +23,7 @@ class TaskJudge {
 
   // What it reads of FrameContext.
   static constexpr LoopOutputs kReads{
-      .tactile_image = false, .object_poses = true, .sensor_poses = false, .actions = false, .robot_status = true};
+      .tactile_image = false, .object_poses = true, .sensor_poses = false, .actions = false, .robot_status = true, .joints = false};
 
   // An episode starts on an instance; its frame 0 comes next.
   void begin(int instance, const EpisodeRecord& record);

@@ -7,7 +7,8 @@ namespace taxelsim {
 
 LoopOutputs loopOutputsOf(const Scene& scene) {
   using Source = FrameColumn::Source;
-  LoopOutputs reads{.tactile_image = false, .object_poses = false, .sensor_poses = false, .actions = false, .robot_status = false};
+  LoopOutputs reads{
+      .tactile_image = false, .object_poses = false, .sensor_poses = false, .actions = false, .robot_status = false, .joints = false};
   if (scene.task) reads = TaskJudge::kReads;
   for (const FrameColumn& column : planColumns(scene).frame) {
     reads.tactile_image |= column.source == Source::kImage;
@@ -15,6 +16,7 @@ LoopOutputs loopOutputsOf(const Scene& scene) {
     reads.sensor_poses |= column.source == Source::kSensorPose;
     reads.actions |= column.source == Source::kAction || column.source == Source::kControllerAction;
     reads.robot_status |= column.source == Source::kRobotStatus;
+    reads.joints |= column.source == Source::kJointPosition || column.source == Source::kJointVelocity;
   }
   return reads;
 }

@@ -115,6 +115,20 @@ std::uint64_t gradientTaxels(Shape s) {
 std::uint64_t loopValues(Shape s, std::uint64_t count) {
   return countIf(s.options.loop.has_value(), count);
 }
+std::uint64_t loopJoints(const BatchOptions& options) {
+  return options.loop ? static_cast<std::uint64_t>(options.loop->numJoints()) : 0;
+}
+std::uint64_t loopStates(Shape s) {
+  if (!s.options.loop) return 0;
+  const auto delay = static_cast<std::uint64_t>(s.options.loop->robot ? s.options.loop->robot->robot.drive.delay : 0);
+  return ServoInterface::kNumLoopState + loopJoints(s.options) * (ServoInterface::kNumJointState + delay);
+}
+std::uint64_t jointOutputs(Shape s) {
+  return s.options.loop && s.options.loop->outputs.joints ? loopJoints(s.options) : 0;
+}
+bool readsJoints(const BatchOptions& o) {
+  return loopJoints(o) > 0 && o.loop->outputs.joints;
+}
 template <bool LoopOutputs::*kOutput>
 bool isLoopOutput(const BatchOptions& o) {
   return o.loop && (*o.loop).outputs.*kOutput;
@@ -132,9 +146,10 @@ constexpr BatchArray kArrays[] = {
     input<block::ForceCotangents>("cotangents of forces", gradientTaxels),
     perBatch(input<block::Servos>("servos", [](Shape s) { return s.options.loop ? std::uint64_t{s.options.loop->servos.size()} : 0; })),
     perBatch(input<block::Loop>("loop", [](Shape s) { return loopValues(s, 1); })),
+    perBatch(input<block::Robot>("robot of loops", [](Shape s) { return countIf(loopJoints(s.options) > 0, 1); })),
     input<block::LoopStarts>("starts of loops", [](Shape s) { return loopValues(s, 1); }),
 
-    internal<block::LoopState>("state of loops", [](Shape s) { return loopValues(s, ServoInterface::kNumLoopState); }),
+    internal<block::LoopState>("state of loops", loopStates),
     internal<block::Candidates>("candidates", [](Shape s) { return countIf(s.keeps_candidates, 1); }),
     internal<block::CandidateQuads>("candidate quads", [](Shape s) { return countIf(s.keeps_candidates, layout::kMaxCandidates); }),
     internal<block::WorkInstances>("work lists",
@@ -219,6 +234,8 @@ constexpr BatchArray kArrays[] = {
     output<block::RobotStatuses>(
         "robot status", [](Shape s) { return countIf(isLoopOutput<&LoopOutputs::robot_status>(s.options), 1); },
         isLoopOutput<&LoopOutputs::robot_status>),
+    output<block::JointPositions>("joint positions", jointOutputs, readsJoints),
+    output<block::JointVelocities>("joint velocities", jointOutputs, readsJoints),
     readAfter(kAfterGradient, output<block::TwistGradient>(
                                   "twist gradient", [](Shape s) { return countIf(s.options.outputs.vjp, 6); }, always)),
     readAfter(kAfterGradient, output<block::GainGradient>("gain gradient", gradientTaxels, always)),

@@ -137,14 +137,23 @@ void recordImage(const Model::Impl& model, const BatchShape& shape, Recorder& re
 void recordLoop(const Model::Impl& model, const BatchShape& shape, const Recorder& recorder) {
   if (!shape.options.loop) return;
   const ServoLoopPlan& loop = *shape.options.loop;
-  model.servo.record(recorder, {.control_period = static_cast<std::uint32_t>(loop.control_period),
-                                .starts_at_load = loop.starts_at_load,
-                                .reads_contact_features = loop.reads_contact_features,
-                                .max_regions = static_cast<std::uint32_t>(shape.options.max_regions),
-                                .object_poses = loop.outputs.object_poses,
-                                .sensor_poses = loop.outputs.sensor_poses,
-                                .actions = loop.outputs.actions,
-                                .robot_status = loop.outputs.robot_status});
+  ServoPass::Variant variant{.control_period = static_cast<std::uint32_t>(loop.control_period),
+                             .starts_at_load = loop.starts_at_load,
+                             .reads_contact_features = loop.reads_contact_features,
+                             .max_regions = static_cast<std::uint32_t>(shape.options.max_regions),
+                             .object_poses = loop.outputs.object_poses,
+                             .sensor_poses = loop.outputs.sensor_poses,
+                             .actions = loop.outputs.actions,
+                             .robot_status = loop.outputs.robot_status,
+                             .joints = loop.outputs.joints};
+  if (loop.robot) {
+    const Manipulator& robot = loop.robot->robot;
+    variant.num_joints = static_cast<std::uint32_t>(robot.joints.size());
+    variant.num_chain_joints = static_cast<std::uint32_t>(robot.sensors.front().chain.size());
+    variant.num_rows = static_cast<std::uint32_t>(std::count(robot.selection.begin(), robot.selection.end(), true));
+    variant.delay = static_cast<std::uint32_t>(robot.drive.delay);
+  }
+  model.servo.record(recorder, variant);
 }
 
 Recorder recorderOf(const Model::Impl& model, const BatchShape& shape, const BatchBuffers& buffers, gpu::Commands& commands) {

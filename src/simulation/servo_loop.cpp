@@ -51,13 +51,59 @@ layout::LoopRecord packLoops(const ServoLoopPlan& plan, const Sensor& sensor, co
           .origin = {base.origin, 0, 0, 0}};
 }
 
+static_assert(layout::kLoopJoints == kMaxJoints && layout::kLoopChainJoints == kMaxChainJoints);
+
+void packPose(const Pose& X, glm::dvec2 (&values)[4]) {
+  const auto& [p, q] = X;
+  values[0] = {p[0], p[1]};
+  values[1] = {p[2], q[0]};
+  values[2] = {q[1], q[2]};
+  values[3] = {q[3], 0.0};
+}
+
+layout::JointRecord packJoint(const LoopRobot& start, std::size_t j) {
+  const Joint& joint = start.robot.joints[j];
+  const double step = start.robot.drive.position_step;
+  const double* const jacobian = &start.jacobian[6 * j];
+  return {.limits = {joint.lower, joint.upper},
+          .steps = {std::ceil(joint.lower / step), std::floor(joint.upper / step)},
+          .velocity = {joint.max_velocity, 0},
+          .start = {start.positions[j], start.commands[j]},
+          .jacobian = {{jacobian[0], jacobian[1]}, {jacobian[2], jacobian[3]}, {jacobian[4], jacobian[5]}}};
+}
+
+layout::RobotRecord packRobot(const LoopRobot& start) {
+  const Manipulator& robot = start.robot;
+  const MountedSensor& sensor = robot.sensors.front();
+  layout::RobotRecord record{};
+  for (std::size_t j = 0; j < robot.joints.size(); ++j) record.joints[j] = packJoint(start, j);
+  for (std::size_t k = 0; k < sensor.chain.size(); ++k) {
+    const ChainJoint& joint = sensor.chain[k];
+    packPose(joint.X_PJ, record.chain[k].X_PJ);
+    record.chain[k].position = {joint.multiplier, joint.offset};
+    record.chain[k].keys = {static_cast<std::uint32_t>(joint.joint), joint.type == JointType::kPrismatic ? 1u : 0u, 0u, 0u};
+  }
+  packPose(sensor.X_JS, record.X_JS);
+  packPose(start.X_WB, record.X_WB);
+  packPose(start.X_WS, record.X_WS);
+  record.singular = {robot.singular_threshold * robot.singular_threshold, robot.max_damping * robot.max_damping};
+  record.drive = {robot.drive.position_step, 0.0};
+  unsigned num_rows = 0;
+  for (unsigned row = 0; row < robot.selection.size(); ++row) {
+    if (!robot.selection[row]) continue;
+    record.rows[num_rows / 4][num_rows % 4] = row;
+    ++num_rows;
+  }
+  return record;
+}
+
 static_assert(sizeof(Pose) == 7 * sizeof(double) && sizeof(Twist) == 6 * sizeof(double), "laid out like the arrays of the device");
 
 template <typename Block, typename T>
-std::span<const T> rowsOf(const Simulator::Impl& simulator, bool is_output) {
-  if (!is_output) return {};
+std::span<const T> rowsOf(const Simulator::Impl& simulator, bool is_output, int width = 1) {
+  if (!is_output || width == 0) return {};
   const auto* const first = reinterpret_cast<const T*>(simulator.buffers.output<Block>().data());
-  return {first, static_cast<std::size_t>(simulator.options.num_instances)};
+  return {first, static_cast<std::size_t>(simulator.options.num_instances) * static_cast<std::size_t>(width)};
 }
 
 }  // namespace
@@ -83,6 +129,9 @@ ServoLoop::ServoLoop(Simulator& simulator)
   std::transform(plan.servos.begin(), plan.servos.end(), records.begin(), packServo);
   simulator_.buffers.input<block::Loop>()[0] = packLoops(plan, simulator.model().sensor(), simulator_.near);
   simulator_.traffic.bytes_to_device += records.size_bytes() + sizeof(layout::LoopRecord);
+  if (!plan.robot) return;
+  simulator_.buffers.input<block::Robot>()[0] = packRobot(*plan.robot);
+  simulator_.traffic.bytes_to_device += sizeof(layout::RobotRecord);
 }
 
 void ServoLoop::start(int instance, const LoopStart& start) {
@@ -113,6 +162,16 @@ std::span<const Pose> ServoLoop::X_WS() const {
 
 std::span<const Twist> ServoLoop::actions() const {
   return rowsOf<block::Actions, Twist>(simulator_, simulator_.options.loop->outputs.actions);
+}
+
+std::span<const double> ServoLoop::jointPositions() const {
+  const ServoLoopPlan& plan = *simulator_.options.loop;
+  return rowsOf<block::JointPositions, double>(simulator_, plan.outputs.joints, plan.numJoints());
+}
+
+std::span<const double> ServoLoop::jointVelocities() const {
+  const ServoLoopPlan& plan = *simulator_.options.loop;
+  return rowsOf<block::JointVelocities, double>(simulator_, plan.outputs.joints, plan.numJoints());
 }
 
 void ServoLoop::read() {

@@ -1,4 +1,4 @@
-// Closed loops of free-flying sensors on the device. After the passes of a frame, servo.comp commands each sensor by the features, moves
+// Closed loops of sensors on robots on the device. After the passes of a frame, servo.comp commands each sensor by the features, moves
 // it, and writes the pose of its object for the next frame, with the bits that TactileServoController, Robots and Simulator::setObjects()
 // give. Poses and features then need not cross the bus.
 //
@@ -7,11 +7,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "taxelsim/control.h"
 #include "taxelsim/pose.h"
+#include "taxelsim/robot.h"
 #include "taxelsim/simulator.h"
 
 namespace taxelsim {
@@ -23,6 +25,15 @@ struct LoopOutputs {
   bool sensor_poses = true;
   bool actions = true;
   bool robot_status = true;
+  bool joints = true;  // positions and velocities
+};
+
+// A manipulator with one sensor, and its state at the start of every episode.
+struct LoopRobot {
+  Manipulator robot;
+  Pose X_WB, X_WS;
+  std::vector<double> positions, commands;  // (num_joints)
+  std::vector<double> jacobian;             // (num_joints x 6), as Chain::poseAt()
 };
 
 // What all loops of a batch have in common.
@@ -33,6 +44,9 @@ struct ServoLoopPlan {
   bool starts_at_load = false;          // whether LoopStart::start_force replaces the total force of the first frame
   bool reads_contact_features = false;  // whether servos read contact features, which the simulator must output
   LoopOutputs outputs;
+  std::optional<LoopRobot> robot;  // empty: sensors are free-flying
+
+  int numJoints() const { return robot ? static_cast<int>(robot->robot.joints.size()) : 0; }
 };
 
 struct LoopStart {
@@ -68,6 +82,8 @@ class ServoLoop {
   std::span<const Pose> X_SO() const;
   std::span<const Pose> X_WS() const;
   std::span<const Twist> actions() const;                           // after the frame
+  std::span<const double> jointPositions() const;                   // (num_instances x num_joints)
+  std::span<const double> jointVelocities() const;                  // likewise
   std::span<const std::uint8_t> status() const { return status_; }  // flags of RobotStatus, of the motion that led to the frame
 
  private:

@@ -1,5 +1,7 @@
 #include "simulation/passes/servo.h"
 
+#include <algorithm>
+
 #include "servo.spv.h"
 #include "simulation/passes/sizes.h"
 
@@ -27,7 +29,14 @@ gpu::PassKernel<ServoInterface> ServoPass::makeKernel(const Variant& variant) co
                          .OBJECT_POSES = variant.object_poses,
                          .SENSOR_POSES = variant.sensor_poses,
                          .ACTIONS = variant.actions,
-                         .ROBOT_STATUS = variant.robot_status}};
+                         .ROBOT_STATUS = variant.robot_status,
+                         .JOINTS = variant.joints && variant.num_joints > 0,
+                         .MANIPULATOR = variant.num_joints > 0,
+                         .NUM_JOINTS = std::max(variant.num_joints, 1u),
+                         .NUM_CHAIN_JOINTS = std::max(variant.num_chain_joints, 1u),
+                         .TWIST_ROWS = std::max(variant.num_rows, 1u),
+                         .GRAM_SIZE = std::max(std::min(variant.num_rows, variant.num_joints), 1u),
+                         .DELAY = variant.delay}};
 }
 
 }  // namespace taxelsim

@@ -1,4 +1,4 @@
-// Closed loop of free-flying sensors, shaders/servo.comp: features -> twists -> poses of sensors and objects.
+// Closed loops of tactile servos, shaders/servo.comp: features -> twists -> joints -> poses of sensors and objects.
 #pragma once
 
 #include "simulation/model_data.h"
@@ -17,7 +17,9 @@ class ServoPass {
     bool starts_at_load = false;
     bool reads_contact_features = false;
     std::uint32_t max_regions = 0;  // rows of contact features
-    bool object_poses = false, sensor_poses = false, actions = false, robot_status = false;
+    bool object_poses = false, sensor_poses = false, actions = false, robot_status = false, joints = false;
+    // Of a manipulator; 0 for free-flying sensors.
+    std::uint32_t num_joints = 0, num_chain_joints = 0, num_rows = 0, delay = 0;
 
     auto operator<=>(const Variant&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 misreads it
   };
