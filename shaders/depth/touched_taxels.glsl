@@ -4,7 +4,7 @@
 const uint kRounds = (NUM_ROWS * NUM_COLS + LANES - 1u) / LANES;
 // No "||": Mesa 22.3 builds no pipeline with one in a constant expression.
 const bool kHasBounds = (uint(kOnlyPolyhedra) | uint(kOnlyRound)) != 0u;
-const bool kSkipsTaxels = EARLY_EXIT && kHasBounds && NUM_ROWS > 0 && NUM_TILES == 1 && kRounds <= 32 && !OUTPUT_JACOBIAN &&
+const bool kSkipsTaxels = EARLY_EXIT && kHasBounds && NUM_ROWS > 0 && NUM_TILES == 1 && kRounds <= 32 &&
                          !MANY_SLOTS && SEARCH != kSearchInTile && RELAXATION == 0 && !HAS_STATE && !kShears && !kGlobalSolve;
 
 // Taxels of `lane` in a rectangle of taxels that the only object may touch: a polyhedron by lower bounds of the heights of both sides over a taxel's samples,
@@ -25,6 +25,7 @@ uint touchedTaxels(Tile tile, uint lane, uvec2 first, uvec2 count, uint first_ta
     uint taxel = first_taxel + at.x * tile.grid.y + at.y;
     contact_normal[taxel] = 0.0;
     if (OUTPUT_DEPTH) contact_depth[taxel] = 0.0;
+    if (OUTPUT_JACOBIAN) clearCell(taxel);
     vec2 middle = samplePosition(tile, at * SAMPLES) + half_size;
     float low = -kMiss, minus_high = -kMiss;
     for (uint f = 0; kOnlyPolyhedra && f < NUM_FACES; ++f) {
