@@ -4,7 +4,9 @@
 const uint kRounds = (NUM_ROWS * NUM_COLS + LANES - 1u) / LANES;
 // No "||": Mesa 22.3 builds no pipeline with one in a constant expression.
 const bool kHasBounds = (uint(kOnlyPolyhedra) | uint(kOnlyRound)) != 0u;
-const bool kSkipsTaxels = EARLY_EXIT && kHasBounds && NUM_ROWS > 0 && NUM_TILES == 1 && kRounds <= 32 &&
+// The last evaluation of a search over tiles computes all taxels.
+const bool kEndsSearch = uint(OUTPUT_JACOBIAN) * SEARCH != kNoSearch;
+const bool kSkipsTaxels = EARLY_EXIT && kHasBounds && NUM_ROWS > 0 && NUM_TILES == 1 && kRounds <= 32 && !kEndsSearch &&
                          !MANY_SLOTS && SEARCH != kSearchInTile && RELAXATION == 0 && !HAS_STATE && !kShears && !kGlobalSolve;
 
 // Taxels of `lane` in a rectangle of taxels that the only object may touch: a polyhedron by lower bounds of the heights of both sides over a taxel's samples,
