@@ -250,7 +250,7 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
   vec3 shear_moment = vec3(0);
   uint deep = 0;
   float slope = 0.0;
-  bool is_reached = RELAXATION > 0 && isReached(step.skin, in_tile), touched = kStoresTouched && isInside(in_tile, step.touched);
+  bool is_reached = RELAXATION > 0 && isReached(step.skin, in_tile), touched = kStoresTouched && isInside(in_tile, step.touched) && hasStates(tile, step.state, in_tile);
   bvec4 rim = bvec4(equal(in_patch, uvec2(0)), equal(in_patch + 1u, tile.grid.xy)).xzyw;
   vec2 first_sample = vec2(base + tile.first_taxel * SAMPLES);
   RowWords rows = RowWords(uvec4(kEmpty), uvec4(kEmpty), uvec4(kEmpty));
@@ -344,7 +344,7 @@ void pressTaxels(Tile tile, TileStep step, ActiveTaxels taxels, inout Found foun
     vec4 wrench = vec4(0);
     vec2 lane_shear = vec2(0);
     vec3 change[6] = vec3[6](vec3(0), vec3(0), vec3(0), vec3(0), vec3(0), vec3(0));
-    uint touched = kSkipsTaxels ? touchedTaxels(tile, v, taxels.first, taxels.count, step.first_taxel, step.part) : 0;
+    uint touched = kSkipsTaxels ? touchedTaxels(tile, step.state, v, taxels.first, taxels.count, step.first_taxel, step.part) : 0;
     uint k = kSkipsTaxels ? nextTouched(touched, v) : v;
     while (k < num_active) {
       uvec2 in_tile = taxels.first + cellNumbered(k, taxels.count.y);
