@@ -29,7 +29,6 @@ uint touchedTaxels(Tile tile, uint tile_state, uint lane, uvec2 first, uvec2 cou
     contact_normal[taxel] = 0.0;
     if (OUTPUT_SHEAR) writeShear(taxel, vec2(0));
     if (OUTPUT_DEPTH) contact_depth[taxel] = 0.0;
-    if (kMarksStates) markWithoutStates(tile, tile_state, at);
     if (OUTPUT_JACOBIAN) clearCell(taxel);
     vec2 middle = samplePosition(tile, at * SAMPLES) + half_size;
     float low = -kMiss, minus_high = -kMiss;
@@ -40,6 +39,7 @@ uint touchedTaxels(Tile tile, uint tile_state, uint lane, uvec2 first, uvec2 cou
     }
     bool near = kOnlyPolyhedra ? low < tile.z_limit && low <= -minus_high : reachesInto(part, middle, half_size + kSampleReach * tile.spacing);
     if (near) touched |= bit;
+    if (kMarksStates && !near) markWithoutStates(tile, tile_state, at);
     bit <<= 1;
   }
   return touched;

@@ -240,7 +240,7 @@ Stiffness stiffnessAmong(Tile tile, float surface, uvec4 around, float height, f
   return stiffnessAt(tile, d, length(steps), f);
 }
 
-// Sums over the samples of the taxel at `in_tile`; adds it to `cell` and `change` of the tactile Jacobian.
+// Sums over the samples of the taxel at `in_tile`; adds it to `cell` and `change` of the tactile Jacobian. Long function: the sums share what a sample loads.
 TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found, inout Cell cell, inout vec3 change[6]) {
   uvec2 base = in_tile * SAMPLES;
   uvec2 in_patch = in_tile + tile.first_taxel;
