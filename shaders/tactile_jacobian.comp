@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // Tactile Jacobian pass, last step: differentiates total force, centre of pressure and edge angle of the sensor and its
 // patches by the six coordinates of the sensor's twist. Runs after the image pass; of clean forces, or of what the readout makes of them before noise.
 //
@@ -22,6 +23,7 @@ const float BIAS = 0.0;  // for readout/imperfections.glsl; offsets do not enter
 
 const uint kTeams = WORKGROUP / TEAM;
 
+#include "common/whole.glsl"
 #include "common/workgroup.glsl"
 #include "common/instances.glsl"
 #include "common/philox.glsl"

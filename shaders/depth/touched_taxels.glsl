@@ -4,12 +4,15 @@
 const uint kRounds = (NUM_ROWS * NUM_COLS + LANES - 1u) / LANES;
 // No "||": Mesa 22.3 builds no pipeline with one in a constant expression.
 const bool kHasBounds = (uint(kOnlyPolyhedra) | uint(kOnlyRound)) != 0u;
-const bool kSkipsTaxels = EARLY_EXIT && kHasBounds && NUM_ROWS > 0 && NUM_TILES == 1 && kRounds <= 32 && !OUTPUT_JACOBIAN &&
-                         !MANY_SLOTS && SEARCH != kSearchInTile && RELAXATION == 0 && !HAS_STATE && !kShears && !kGlobalSolve;
+const bool kSkipsTaxels = EARLY_EXIT && kHasBounds && NUM_ROWS > 0 && NUM_TILES == 1 && kRounds <= 32 &&
+                         !MANY_SLOTS && SEARCH != kSearchInTile && SEARCH != kSearchEnded && RELAXATION == 0 && !kGlobalSolve;
+
+void writeShear(uint taxel, vec2 shear);
 
 // Taxels of `lane` in a rectangle of taxels that the only object may touch: a polyhedron by lower bounds of the heights of both sides over a taxel's samples,
 // less the rounding of a sample's height, a round solid by its `part`. Clears the outputs of all of them.
-uint touchedTaxels(Tile tile, uint lane, uvec2 first, uvec2 count, uint first_taxel, RoundPart part) {
+// `tile_state`: where the states of the tile's samples begin.
+uint touchedTaxels(Tile tile, uint tile_state, uint lane, uvec2 first, uvec2 count, uint first_taxel, RoundPart part) {
   const float kRounding = 1e-6;
   vec2 half_size = 0.5 * float(SAMPLES - 1u) * tile.spacing;
   vec2 slack = half_size + kRounding * (abs(tile.corner) + tile.spacing);
@@ -24,7 +27,9 @@ uint touchedTaxels(Tile tile, uint lane, uvec2 first, uvec2 count, uint first_ta
     uvec2 at = first + cellNumbered(k, count.y);
     uint taxel = first_taxel + at.x * tile.grid.y + at.y;
     contact_normal[taxel] = 0.0;
+    if (OUTPUT_SHEAR) writeShear(taxel, vec2(0));
     if (OUTPUT_DEPTH) contact_depth[taxel] = 0.0;
+    if (OUTPUT_JACOBIAN) clearCell(taxel);
     vec2 middle = samplePosition(tile, at * SAMPLES) + half_size;
     float low = -kMiss, minus_high = -kMiss;
     for (uint f = 0; kOnlyPolyhedra && f < NUM_FACES; ++f) {
@@ -34,6 +39,7 @@ uint touchedTaxels(Tile tile, uint lane, uvec2 first, uvec2 count, uint first_ta
     }
     bool near = kOnlyPolyhedra ? low < tile.z_limit && low <= -minus_high : reachesInto(part, middle, half_size + kSampleReach * tile.spacing);
     if (near) touched |= bit;
+    if (kMarksStates && !near) markWithoutStates(tile, tile_state, at);
     bit <<= 1;
   }
   return touched;

@@ -43,7 +43,7 @@ void clearTile(Tile tile, uint instance, uint tile_number, uint first, uint step
   }
   if (first > 0) return;
   if (kStoresTouched) state[stateStart(result) + kTouchedTaxels] = uvec4(0);
-  if (OUTPUT_JACOBIAN) clearChange(result);
+  if (OUTPUT_WRENCH_CHANGE) clearChange(result);
   tile_results[result] = TileResult(vec4(0), vec4(0), uvec4(0));
 }
 

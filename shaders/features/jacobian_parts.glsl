@@ -15,6 +15,7 @@ struct Part {
   vec2 size;        // of the grid, rows and columns
   vec2 gains;       // of the instance: factor on all gains, spread between taxels
   uvec2 keys;       // of the instance, for random numbers
+  vec2 readout;     // of the first taxel of the sensor: gain; trigger, N
 };
 
 // Part `number` (< kParts) of an instance; empty if it is not due.
@@ -25,8 +26,11 @@ Part loadPart(uint instance, uint number, bool is_due) {
   uint first = number > 0 ? grid.z : 0;
   uint end = number > 0 ? grid.z + grid.x * grid.y : NUM_TAXELS;
   return Part(instance, first, is_due ? end : first, plane, is_grid, planes[plane].pitch.xy, vec2(grid.xy),
-              instances[instance].drive.yz, instances[instance].keys.xy);
+              instances[instance].drive.yz, instances[instance].keys.xy, taxels[0].readout.xy);
 }
+
+// Position of the taxel in a row and a column of the plane's grid in C, m.
+vec3 positionInGrid(Part part, vec2 at) { return vec3((at - 0.5 * (part.size - 1.0)) * part.pitch, 0); }
 
 // Position of a taxel in C, m.
 vec3 positionOf(Part part, uint t) {
@@ -34,7 +38,7 @@ vec3 positionOf(Part part, uint t) {
     // As in features/contact_parts.glsl.
     float number = float(t - part.first);
     float i = floor((number + 0.5) / part.size.y);
-    return vec3((vec2(i, number - i * part.size.y) - 0.5 * (part.size - 1.0)) * part.pitch, 0);
+    return positionInGrid(part, vec2(i, number - i * part.size.y));
   }
   return taxels[t].chart.xyz;
 }

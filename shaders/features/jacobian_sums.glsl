@@ -26,7 +26,7 @@ void addFirst(float weight, vec3 p, inout PartSums sums) {
   sums.s[0] += weight;
   sums.s[1] += weight * p.x;
   sums.s[2] += weight * p.y;
-  sums.s[3] += weight * p.z;
+  if (NUM_ROWS == 0) sums.s[3] += weight * p.z;  // 0 on a grid
 }
 
 void addTaxel(uint kind, Part part, uint t, vec3 middle, inout PartSums sums) {
@@ -44,30 +44,37 @@ void addTile(Part part, uint tile, uint k, inout PartSums sums) {
   for (uint c = 0; c < 6; ++c) sums.s[c] += wrench_jacobian[first + 6 * c];
 }
 
-// Adds `weight` times the derivatives by the spread force of taxel t.
-void addMoments(Part part, uint t, float weight, vec3 middle, inout PartSums moments) {
+// Adds `weight` times the derivatives by the spread force of taxel t, which is at `p` from the point of the moments.
+void addMoments(Part part, uint t, float weight, vec3 p, inout PartSums moments) {
   if (!CLEAN) weight *= readingOf(part, t).y;
-  vec3 p = positionOf(part, t) - middle;
   addFirst(weight, p, moments);
   addSecond(weight, p, 4, moments);
+}
+
+// Adds those by the force of the taxel at an offset of rows and columns from taxel t, which is `at`; with the weight 0 where there is none. No branch: software
+// drivers execute both sides.
+void addReceiver(Part part, uint t, ivec2 at, int a, int b, vec3 middle, inout PartSums moments) {
+  ivec2 receiver = at + ivec2(a, b);
+  bool exists = all(lessThan(uvec2(receiver), uvec2(NUM_ROWS, NUM_COLS)));  // wraps to large numbers outside
+  uint number = exists ? uint(receiver.x) * NUM_COLS + uint(receiver.y) : t;
+  addMoments(part, number, exists ? kernelAt(a, b) : 0.0, positionInGrid(part, vec2(receiver)) - middle, moments);
 }
 
 // Derivatives of the sums by the contact force of taxel t; of a sensor that is not a grid, by its spread force.
 PartSums momentsBy(Part part, uint t, vec3 middle) {
   PartSums moments = noSums();
   if (NUM_ROWS == 0) {
-    addMoments(part, t, 1.0, middle, moments);
+    addMoments(part, t, 1.0, positionOf(part, t) - middle, moments);
+    return moments;
+  }
+  ivec2 at = ivec2(cellNumbered(t, NUM_COLS));
+  if (KERNEL == 3) {
+    [[unroll]] for (int n = 0; n < 9; ++n) addReceiver(part, t, at, n / 3 - 1, n % 3 - 1, middle, moments);
     return moments;
   }
   const int kRadius = int(KERNEL) / 2;
-  ivec2 at = ivec2(t / NUM_COLS, t % NUM_COLS);
   for (int a = -kRadius; a <= kRadius; ++a) {
-    for (int b = -kRadius; b <= kRadius; ++b) {
-      uvec2 receiver = uvec2(at + ivec2(a, b));  // wraps to large numbers outside
-      if (all(lessThan(receiver, uvec2(NUM_ROWS, NUM_COLS)))) {
-        addMoments(part, receiver.x * NUM_COLS + receiver.y, kernelAt(a, b), middle, moments);
-      }
-    }
+    for (int b = -kRadius; b <= kRadius; ++b) addReceiver(part, t, at, a, b, middle, moments);
   }
   return moments;
 }
@@ -76,7 +83,9 @@ void addChanges(Part part, uint t, vec3 middle, inout Changes changes) {
   PartSums moments = momentsBy(part, t, middle);
   for (uint k = 0; k < 6; ++k) {
     float change = NUM_ROWS == 0 ? spreadChange(part.instance, t, k) : taxel_jacobian[(part.instance * 6 + k) * NUM_TAXELS + t];
-    for (uint s = 0; s < kMostSums; ++s) changes.by[k].s[s] += change * moments.s[s];
+    for (uint s = 0; s < kMostSums; ++s) {
+      if (NUM_ROWS == 0 || s != 3) changes.by[k].s[s] += change * moments.s[s];
+    }
   }
 }
 

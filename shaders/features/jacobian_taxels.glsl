@@ -6,9 +6,12 @@ vec2 readingOf(Part part, uint t) {
   float force = spread_normal[part.instance * NUM_TAXELS + t];
   if (CLEAN) return vec2(force, 1);
   uvec2 seed = step_record.batch.zw;
-  float gain = part.gains.x * taxels[t].readout.x;
+  // On a software driver loading two words of a taxel takes more time than the rest.
+  vec2 readout = part.readout;
+  if (!SAME_READOUT) readout = taxels[t].readout.xy;
+  float gain = part.gains.x * readout.x;
   if (RANDOM && part.gains.y > 0.0) gain *= exp(part.gains.y * gaussian(seed, part.keys, 0, t, kPurposeTaxelGain));
-  float trigger = taxels[t].readout.y, x = gain * force - trigger;
+  float trigger = readout.y, x = gain * force - trigger;
   if (isDead(seed, part.keys, t)) return vec2(0);
   // Without a trigger, forces of 0 change too: a contact may be about to cross the taxel's side.
   bool follows = (x > 0.0 || trigger <= 0.0) && x < SATURATION_FORCE;

@@ -9,8 +9,9 @@ const uint kIterationsOfSample =
 const uint kIterationsOfTriangle = AREA ? kIterationsPerTriangleOfCells : kIterationsPerTriangle;
 const bool kOnlyPolyhedra = OBJECT_KINDS == (1u << kKindPolyhedron);
 // Heights go through the tile, except for a single analytic solid, whose heights are computed where they are summed. A torus needs the tile since its heights
-// are expensive; the Jacobian needs it since it reads a sample's neighbours.
-bool usesTile() { return AREA || OUTPUT_JACOBIAN || kHasMesh || MANY_SLOTS || SEARCH == kSearchInTile || (OBJECT_KINDS & (1u << kKindTorus)) != 0; }
+// are expensive; the Jacobian needs it where the words of the neighbours of a row of samples do not fit into RowWords, skin/tile_pressures.glsl.
+const bool kReadsNeighbours = (uint(OUTPUT_JACOBIAN) & uint(SAMPLES > 4u)) != 0u;
+bool usesTile() { return AREA || kReadsNeighbours || kHasMesh || MANY_SLOTS || SEARCH == kSearchInTile || (OBJECT_KINDS & (1u << kKindTorus)) != 0; }
 
 // How triangles are drawn: depth/raster.glsl, depth/area/facets.glsl. The constant TRIANGLE_SIZES removes the ways that the model does not need, and the test of the only one.
 const uint kBySamples = 1u, kBySpans = 2u, kBySums = 4u, kByLargeSums = 8u;

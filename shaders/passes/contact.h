@@ -33,7 +33,7 @@ CONSTANT(34, float, COULOMB_FRICTION)
 CONSTANT(35, float, STRIBECK_VELOCITY)  // m/s
 CONSTANT(36, uint, RELAXATION)          // terms of the skin's relaxation, skin/relaxation.glsl
 CONSTANT(37, uint, GROUPS_PER_BATCH)    // groups of clusters culled between two barriers; the list of clusters has room for all of theirs
-CONSTANT(38, bool, OUTPUT_JACOBIAN)     // writes contact_cells and tile_changes, skin/cell_fluxes.glsl
+CONSTANT(38, bool, OUTPUT_JACOBIAN)     // writes contact_cells, skin/cell_fluxes.glsl
 CONSTANT(39, bool, EARLY_EXIT)          // where no object is near: kLeavesUntouched, kManySmallTiles
 CONSTANT(40, float, REACH)              // up to which height over the skin surfaces matter to the law, m
 CONSTANT(41, uint, LIST)                // of instances that are processed: kListWholeMesh, kListCandidates; kNumLists: all
@@ -47,6 +47,7 @@ CONSTANT(48, uint, NUM_STATES)          // words that a sample keeps between ste
 CONSTANT(49, bool, SELECTS_KINDS)       // the dispatch processes the instances whose one object is of OBJECT_KINDS; others process the rest
 CONSTANT(50, uint,
          MOST_ITERATIONS)  // after which a workgroup leaves its other tiles to a second dispatch, depth/tile_sequence.glsl; 0: never
+CONSTANT(51, bool, OUTPUT_WRENCH_CHANGE)  // with OUTPUT_JACOBIAN, writes tile_changes, from which the wrench's derivatives follow
 
 TEXELS(0, Poses)
 BUFFER(1, readonly, Instances)

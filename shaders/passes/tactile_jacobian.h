@@ -12,6 +12,7 @@ CONSTANT(17, float, TRIGGER)                 // N, of the nominal curve
 CONSTANT(18, float, SATURATION_FORCE)        // N over the trigger at which a taxel saturates
 CONSTANT(19, bool, RANDOM)                   // some instance draws gains
 CONSTANT(20, float, DEAD_TAXEL_PROBABILITY)  // probability
+CONSTANT(21, bool, SAME_READOUT)             // all taxels have the gain and the trigger of the first
 
 BUFFER(0, readonly, Instances)
 BUFFER(1, readonly, Step)

@@ -38,18 +38,12 @@ struct CellRow {
 
 CellRow noCellRow() { return CellRow(vec3(0), vec3(0), vec2(0), vec2(0), vec2(0)); }
 
-// The smaller step of depth from a sample, the `k`th of its taxel along an axis, to its neighbours in the taxel, m; 0 for a wall, a step of more than 63
-// degrees. `surface`: depth where the tile's height is 0, m.
-float stepOfDepth(Tile tile, float d, uint k, uint address, uint stride, float surface) {
+// The smaller step from the depth of a sample to those of its neighbours in the taxel along an axis, m; 0 for a wall, a step of more than 63 degrees. -kMiss: no
+// such neighbour.
+float stepOfDepth(Tile tile, float d, float before, float after) {
   float least = kMiss;
-  if (k > 0) {
-    float before = surface - withoutSlot(tile_heights[address - stride]);
-    if (before > -cellReach(tile)) least = abs(d - before);
-  }
-  if (k + 1 < SAMPLES) {
-    float after = surface - withoutSlot(tile_heights[address + stride]);
-    if (after > -cellReach(tile)) least = min(least, abs(d - after));
-  }
+  if (before > -cellReach(tile)) least = abs(d - before);
+  if (after > -cellReach(tile)) least = min(least, abs(d - after));
   return least < 2.0 * cellReach(tile) ? least : 0.0;
 }
 

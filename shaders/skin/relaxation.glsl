@@ -94,24 +94,35 @@ float relax(TileSkin tile_skin, inout SkinStates states, uint i, bool reached, f
   return relaxedPressure(tile_skin, skin, elastic);
 }
 
+// Taxel `k` of those in the rectangle `outer` that are not among the `count` taxels from `first` on, which lie in it: whole rows, then the rest of the others.
+uvec2 taxelOutside(uvec4 outer, uvec2 first, uvec2 count, uint k) {
+  uvec2 size = outer.yw - outer.xz, before = first - outer.xz;
+  uint in_rows = (size.x - count.x) * size.y;
+  uvec2 of_rows = cellNumbered(k, size.y), of_rest = cellNumbered(k - in_rows, max(size.y - count.y, 1u));
+  if (of_rows.x >= before.x) of_rows.x += count.x;
+  of_rest.x += before.x;
+  if (of_rest.y >= before.y) of_rest.y += count.y;
+  return outer.xz + mix(of_rest, of_rows, bvec2(k < in_rows));
+}
+
 // Updates the skin that earlier steps have reached and this one has not, outside the `count` taxels from `first` on; and the rectangle of reached taxels.
 void updateRestOfSkin(Tile tile, TileSkin tile_skin, uvec2 first, uvec2 count) {
   uvec4 reached = tile_skin.reached;
   if (reached.y == 0) reached = uvec4(first, first).xzyw;
   if (count.x > 0) reached = uvec4(min(reached.xz, first), max(reached.yw, first + count)).xzyw;
   uvec2 size = reached.yw - reached.xz;
+  uint num_taxels = size.x * size.y - count.x * count.y;
   const uint kGroups = SAMPLES * kFoursOfRow;  // of a taxel
   uint k = gl_LocalInvocationIndex;
-  for (; k < size.x * size.y * kGroups; k += WORKGROUP) {
+  for (; k < num_taxels * kGroups; k += WORKGROUP) {
     uint group = k % kGroups;
-    uvec2 taxel = reached.xz + cellNumbered(k / kGroups, size.y);
-    if (all(greaterThanEqual(taxel, first)) && all(lessThan(taxel, first + count))) continue;
+    uvec2 taxel = taxelOutside(reached, first, count, k / kGroups);
     uint at = statesOf(tile, tile_skin.state, taxel, group / kFoursOfRow, group % kFoursOfRow);
     SkinStates states = readSkin(at);
     bool is_reached = isReached(tile_skin, taxel);
     for (uint i = 0; i < 4u; ++i) updateSkin(tile_skin, states, i, skinAt(tile_skin, states, i, is_reached), 0.0);
     writeSkin(at, states);
   }
-  checkLoop(k < size.x * size.y * kGroups);
+  checkLoop(k < num_taxels * kGroups);
   writeRectangle(tile_skin.state, kReachedTaxels, reached);
 }

@@ -23,6 +23,16 @@ uint statesOf(Tile tile, uint tile_state, uvec2 taxel, uint row, uint four) {
   return tile_state + kStateHeader + (((taxel.x * tile.size.y + taxel.y) * SAMPLES + row) * kFoursOfRow + four) * NUM_STATES;
 }
 
+// A taxel of the touched rectangle that no object touched may have a mark instead of states, as the first word of its shear or else of its depths.
+const bool kMarksStates = kStoresTouched && EARLY_EXIT && RELAXATION == 0 && NUM_ROWS > 0 && NUM_TILES == 1;
+const uint kWithoutStates = 0x7FFFFFFFu;
+uint placeOfMark(Tile tile, uint tile_state, uvec2 taxel) { return statesOf(tile, tile_state, taxel, 0, 0) + (kShears ? kShearStates : kDepthState); }
+void markWithoutStates(Tile tile, uint tile_state, uvec2 taxel) { state[placeOfMark(tile, tile_state, taxel)].x = kWithoutStates; }
+bool hasStates(Tile tile, uint tile_state, uvec2 taxel) {
+  if (!kMarksStates) return true;
+  return fourOf(PastState, placeOfMark(tile, tile_state, taxel)).x != kWithoutStates;
+}
+
 const uint kTouchedTaxels = 0u, kReachedTaxels = 1u;  // elements of the header
 
 // `is_new`: in the first step since reset there are no states.

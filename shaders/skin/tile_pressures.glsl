@@ -143,13 +143,36 @@ float sampleHeight(Tile tile, TileStep step, uint address, vec2 position, inout 
   }
   float z = kOnlyPolyhedra ? heightInRow(position.y, tile.z_floor, found)
                            : analyticHeight(step.body.kind_groups.x, step.parameters, step.body.X_PO, position, tile.z_floor, found);
-  if (NUM_ROWS == 0 && !isVisible(tile, z, found)) return kMiss;
+  if ((NUM_ROWS == 0 || OUTPUT_JACOBIAN) && !isVisible(tile, z, found)) return kMiss;
   word = withSlot(max(z - tile.z_base, 0.0), step.slot);
   return withoutSlot(word);
 }
 
 const bool kHasStates = kStoresTouched || RELAXATION > 0;
-const uint kSamplesAtOnce = kHasStates ? 4u : 1u;  // of a row
+const bool kUnrollsRows = (uint(kHasStates) | uint(OUTPUT_JACOBIAN)) != 0u;
+const uint kSamplesAtOnce = kUnrollsRows ? 4u : 1u;  // of a row
+
+// Words of the samples of a taxel's row and of the rows before and after it, as in the tile; kEmpty where there is no sample or no surface.
+struct RowWords {
+  uvec4 before, here, after;
+};
+bool keepsRows() { return OUTPUT_JACOBIAN && !AREA && SAMPLES <= 4u; }
+
+// Words of the `row`th row of the taxel whose samples begin at `base` of the tile and at `first_sample` of the patch.
+uvec4 wordsOfRow(Tile tile, TileStep step, uvec2 base, vec2 first_sample, uint row, inout Found found) {
+  uvec4 words = uvec4(kEmpty);
+  float x = samplePosition(tile, first_sample + vec2(row, 0)).x;
+  if (!usesTile() && kOnlyPolyhedra) startRow(x);
+  uint address = (base.x + row) * tile.stride + base.y;
+  [[unroll]] for (uint b = 0; b < 4u; ++b) {
+    if (b < SAMPLES && row < SAMPLES) {
+      uint word;
+      float height = sampleHeight(tile, step, address + b, vec2(x, samplePosition(tile, first_sample + vec2(0, b)).y), found, word);
+      words[b] = height >= kMiss ? kEmpty : word;
+    }
+  }
+  return words;
+}
 
 // Rate of the depth since the step before, m/s; stores the depth as the state of sample `i`.
 float depthRate(TileStep step, inout uvec4 depths, uint i, float d) {
@@ -193,14 +216,31 @@ SampleShear sampleShear(TileStep step, inout ShearStates states, uint i, CellPoi
   return sum;
 }
 
-// f' and G of the sample `at` of its taxel under the pressure f (Pa), from the depths around it. `surface`: depth where the tile's height is 0, m.
-Stiffness stiffnessAmong(Tile tile, float surface, uvec2 at, uint address, float height, float f) {
+// Words of the samples before and after the sample `at` of its taxel along x, then along y.
+uvec4 wordsAround(Tile tile, RowWords rows, uvec2 at, uint address) {
+  uvec4 words = uvec4(kEmpty);
+  if (keepsRows()) {
+    words.xy = uvec2(component(rows.before, at.y), component(rows.after, at.y));
+    if (at.y > 0) words.z = component(rows.here, at.y - 1u);
+    if (at.y + 1u < SAMPLES) words.w = component(rows.here, at.y + 1u);
+  } else {
+    if (at.x > 0) words.x = tile_heights[address - tile.stride];
+    if (at.x + 1u < SAMPLES) words.y = tile_heights[address + tile.stride];
+    if (at.y > 0) words.z = tile_heights[address - 1u];
+    if (at.y + 1u < SAMPLES) words.w = tile_heights[address + 1u];
+  }
+  return words;
+}
+
+// f' and G of a sample under the pressure f (Pa), from the words around it. `surface`: depth where the tile's height is 0, m.
+Stiffness stiffnessAmong(Tile tile, float surface, uvec4 around, float height, float f) {
   float d = surface - height;
-  vec2 steps = vec2(stepOfDepth(tile, d, at.x, address, tile.stride, surface), stepOfDepth(tile, d, at.y, address, 1, surface));
+  vec2 before = surface - vec2(withoutSlot(around.x), withoutSlot(around.z)), after = surface - vec2(withoutSlot(around.y), withoutSlot(around.w));
+  vec2 steps = vec2(stepOfDepth(tile, d, before.x, after.x), stepOfDepth(tile, d, before.y, after.y));
   return stiffnessAt(tile, d, length(steps), f);
 }
 
-// Sums over the samples of the taxel at `in_tile`; adds it to `cell` and `change` of the tactile Jacobian.
+// Sums over the samples of the taxel at `in_tile`; adds it to `cell` and `change` of the tactile Jacobian. Long function: the sums share what a sample loads.
 TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found, inout Cell cell, inout vec3 change[6]) {
   uvec2 base = in_tile * SAMPLES;
   uvec2 in_patch = in_tile + tile.first_taxel;
@@ -210,12 +250,17 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
   vec3 shear_moment = vec3(0);
   uint deep = 0;
   float slope = 0.0;
-  bool is_reached = RELAXATION > 0 && isReached(step.skin, in_tile), touched = kStoresTouched && isInside(in_tile, step.touched);
+  bool is_reached = RELAXATION > 0 && isReached(step.skin, in_tile), touched = kStoresTouched && isInside(in_tile, step.touched) && hasStates(tile, step.state, in_tile);
   bvec4 rim = bvec4(equal(in_patch, uvec2(0)), equal(in_patch + 1u, tile.grid.xy)).xzyw;
   vec2 first_sample = vec2(base + tile.first_taxel * SAMPLES);
+  RowWords rows = RowWords(uvec4(kEmpty), uvec4(kEmpty), uvec4(kEmpty));
+  if (keepsRows()) rows.after = wordsOfRow(tile, step, base, first_sample, 0, found);
   for (uint a = 0; a < SAMPLES; ++a) {
     float x = samplePosition(tile, first_sample + vec2(a, 0)).x;
-    if (!usesTile() && kOnlyPolyhedra) startRow(x);
+    if (!usesTile() && !keepsRows() && kOnlyPolyhedra) startRow(x);
+    rows.before = rows.here;
+    rows.here = rows.after;
+    if (keepsRows()) rows.after = wordsOfRow(tile, step, base, first_sample, a + 1u, found);
     CellRow row = noCellRow();
     for (uint first = 0; first < SAMPLES; first += kSamplesAtOnce) {
       uint states_at = statesOf(tile, step.state, in_tile, a, first / 4u);
@@ -227,11 +272,12 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
       if (HAS_STATE) depths = mix(uvec4(0), fourOf(PastState, states_at + kDepthState), bvec4(touched));
       [[unroll]] for (uint i = 0; i < kSamplesAtOnce; ++i) {
         uint b = first + i;
-        if (kHasStates && b >= SAMPLES) break;
+        if (kUnrollsRows && b >= SAMPLES) break;
         uint address = (base.x + a) * tile.stride + base.y + b;
         vec2 position = vec2(x, samplePosition(tile, first_sample + vec2(0, b)).y);
-        uint word;
-        float height = sampleHeight(tile, step, address, position, found, word);
+        uint word = component(rows.here, b);
+        float height = withoutSlot(word);
+        if (!keepsRows()) height = sampleHeight(tile, step, address, position, found, word);
         if (kWritesCells) writeNodeCell(step.first_taxel + in_patch.x * tile.grid.y + in_patch.y, -cellOffset(tile) - depthOfWord(word), word, address);
         if (kGlobalSolve) {
           force = height >= kMiss ? kMiss : uintBitsToFloat(withSlot(tile.z_base - tile.level + height, slotOf(word)));
@@ -252,7 +298,7 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
         if (kSumsSlopes && f > 0.0) slope += stiffnessOf(points, d, share, f).slope;
         depth_sum += d;
         if (OUTPUT_JACOBIAN) {
-          Stiffness stiffness = AREA ? stiffnessOf(points, d, share, f) : stiffnessAmong(tile, step.surface, uvec2(a, b), address, height, f);
+          Stiffness stiffness = AREA ? stiffnessOf(points, d, share, f) : stiffnessAmong(tile, step.surface, wordsAround(tile, rows, uvec2(a, b), address), height, f);
           addSample(row, b, rim, position.y, f, stiffness);
         }
         if (kShears) {
@@ -267,7 +313,7 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
     }
     if (OUTPUT_JACOBIAN) addRow(cell, row, a, rim, x);
   }
-  if (OUTPUT_JACOBIAN) addToChange(tile, change, cell, rim, first_sample);
+  if (OUTPUT_WRENCH_CHANGE) addToChange(tile, change, cell, rim, first_sample);
   return TaxelSums(depth_sum, force, moment, shear, shear_moment, deep, slope);
 }
 
@@ -298,7 +344,7 @@ void pressTaxels(Tile tile, TileStep step, ActiveTaxels taxels, inout Found foun
     vec4 wrench = vec4(0);
     vec2 lane_shear = vec2(0);
     vec3 change[6] = vec3[6](vec3(0), vec3(0), vec3(0), vec3(0), vec3(0), vec3(0));
-    uint touched = kSkipsTaxels ? touchedTaxels(tile, v, taxels.first, taxels.count, step.first_taxel, step.part) : 0;
+    uint touched = kSkipsTaxels ? touchedTaxels(tile, step.state, v, taxels.first, taxels.count, step.first_taxel, step.part) : 0;
     uint k = kSkipsTaxels ? nextTouched(touched, v) : v;
     while (k < num_active) {
       uvec2 in_tile = taxels.first + cellNumbered(k, taxels.count.y);
@@ -311,7 +357,7 @@ void pressTaxels(Tile tile, TileStep step, ActiveTaxels taxels, inout Found foun
     checkLoop(k < num_active);
     partial[v] = wrench;
     if (kShears) partial_shear[v] = lane_shear;
-    if (OUTPUT_JACOBIAN) writeChange(tile, step.result * LANES + v, change);
+    if (OUTPUT_WRENCH_CHANGE) writeChange(tile, step.result * LANES + v, change);
   }
   if (deep > 0) atomicAdd(num_deep, deep);
   if (NUM_ROWS == 0 && found.below_floor && tile.X_PS.row2.z > kLooksUp) atomicOr(any_behind, 1u);

@@ -184,7 +184,7 @@ constexpr BatchArray kArrays[] = {
     internal<block::ContactCells>("contact cells", [](Shape s) { return countIf(s.outputsJacobian() && !s.model.layer, taxels(s)); }),
     internal<block::TileChanges>("tile changes",
                                  [](Shape s) {
-                                   return countIf(s.outputsJacobian() && !s.model.layer,
+                                   return countIf(s.options.outputs.clean_tactile_jacobian && !s.model.layer,
                                                   tiles(s) * s.model.packed.contact_lanes * layout::kTileChanges);
                                  }),
     internal<block::TaxelJacobian>("taxel Jacobian", [](Shape s) { return countIf(s.outputsJacobian(), 6 * taxels(s)); }),

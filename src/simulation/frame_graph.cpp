@@ -80,6 +80,7 @@ void recordObjects(const Model::Impl& model, const BatchShape& shape, Recorder& 
                                .with_depth = !coupled && shape.options.outputs.penetration_depth,
                                .with_shear = !coupled && shape.outputsShear(),
                                .with_jacobian = !coupled && shape.outputsJacobian(),
+                               .with_wrench = shape.options.outputs.clean_tactile_jacobian,
                                .random_skin = shape.options.vary_skin};
   if (kind.candidates == Candidates::kKept || kind.candidates == Candidates::kUsed)
     model.candidates.record(recorder, variant.with_jacobian);

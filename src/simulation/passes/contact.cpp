@@ -186,6 +186,7 @@ ContactPass::Kernel ContactPass::makeKernel(const Variant& variant) const {
       .NUM_STATES = model_.numSampleStates(),
       .SELECTS_KINDS = kinds != model_.object_kinds.kinds && variant.list != layout::kListCandidates,
       .MOST_ITERATIONS = variant.leaves_tiles ? gpu::kMaxIterations : 0,
+      .OUTPUT_WRENCH_CHANGE = variant.with_jacobian && variant.with_wrench,
   };
   const PassSizes sizes{sizes_.workgroup, sizes_.lanes, repeatOf(variant)};
   return {model_.context(), law.kernel, model_.profile.select(law.spirv, sizes.workgroup),

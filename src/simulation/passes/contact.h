@@ -22,6 +22,7 @@ class ContactPass {
     bool with_depth = false;                           // outputs penetration_depth
     bool with_shear = false;                           // outputs tactile_shear_force of a sensor with friction
     bool with_jacobian = false;                        // outputs what a tactile Jacobian is computed from
+    bool with_wrench = false;                          // and what the wrench's is computed from
     std::uint32_t list = layout::kNumLists;            // instances that it processes, kList...; kNumLists: all
     std::uint32_t kinds = 0;                           // bit per kind of object that it processes; 0: all of the model
     bool random_skin = false;                          // every instance has factors of its own, SkinVariation

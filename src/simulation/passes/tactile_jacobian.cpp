@@ -122,7 +122,8 @@ TactileJacobianPasses::FeatureKernel TactileJacobianPasses::makeFeatureKernel(co
                                     .TRIGGER = readout.trigger,
                                     .SATURATION_FORCE = nominalForce(readout, readout.saturation) - readout.trigger,
                                     .RANDOM = variant.random,
-                                    .DEAD_TAXEL_PROBABILITY = readout.dead_taxel_probability}},
+                                    .DEAD_TAXEL_PROBABILITY = readout.dead_taxel_probability,
+                                    .SAME_READOUT = readout.taxel_gain.empty() && readout.taxel_trigger.empty()}},
           sizes.itemsPerWorkgroup()};
 }
 
