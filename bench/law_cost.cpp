@@ -12,6 +12,7 @@
 
 #include "bench_objects.h"
 #include "frame_counts.h"
+#include "law_cases.h"
 #include "option_limits.h"
 #include "report.h"
 #include "taxelsim/error.h"
@@ -20,7 +21,6 @@
 namespace taxelsim::bench {
 namespace {
 
-constexpr double kDt = 1e-3;  // s
 constexpr std::uint64_t kPoseSeed = 1;
 constexpr int kWarmUps = 2;
 constexpr int kMostCounted = 512;  // instances whose frames are counted for the limits; all poses have one distribution
@@ -39,117 +39,6 @@ MachineRates ratesOf(const Options& options) {
   return {.bandwidth = options.bandwidth * 1e9, .arithmetic = options.arithmetic * 1e9};
 }
 
-struct Case {
-  std::string name;
-  std::function<void(Sensor&)> change;  // applied to the sensor with law winkler
-  bool cold = false;                    // whether to reset before every frame
-  int max_regions = -1;                 // of the measured contact features; -1: no such features
-  bool jacobian = false;                // whether to compute the measured tactile Jacobian
-  bool is_paired = false;               // whether to measure it with each other case of this kind, too
-  bool is_law = false;                  // two laws are no pair
-};
-
-Skin elasticSkin(const Skin& skin, ElasticLayer::Base base, double margin) {
-  return {.thickness = skin.thickness, .law = ElasticLayer{.elastic_modulus = 1e6, .poisson_ratio = 0.49, .base = base}, .margin = margin};
-}
-
-// Refines samples of 0.85 mm by 4, with area sampling by 3.
-Pasternak foundation(const Skin& skin) {
-  constexpr double kDecay = 0.66e-3;  // m
-  const double stiffness = foundationOf(skin).normal_contact_stiffness;
-  return {.normal_contact_stiffness = stiffness, .shear_stiffness = stiffness * kDecay * kDecay};
-}
-
-// Long function: a list.
-std::vector<Case> allCases() {
-  const auto stiffness = [](const Sensor& s) { return foundationOf(s.skin).normal_contact_stiffness; };
-  return {
-      {"winkler", [](Sensor&) {}},
-      {.name = "winkler, damped",
-       .change = [](Sensor& s) { std::get<Winkler>(s.skin.law).normal_damping = 1e4; },
-       .is_paired = true,
-       .is_law = true},
-      {.name = "winkler, area", .change = [](Sensor& s) { s.depth_sampling = DepthSampling::kArea; }, .is_paired = true},
-      {.name = "mass_spring_damper",
-       .change = [=](Sensor& s) { s.skin.law = MassSpringDamper{.normal_contact_stiffness = stiffness(s)}; },
-       .is_paired = true,
-       .is_law = true},
-      {.name = "deformation_mask", .change = [](Sensor& s) { s.skin.law = DeformationMask{}; }, .is_paired = true, .is_law = true},
-      {"proximity", [=](Sensor& s) { s.skin.law = Proximity{.sensitivity = stiffness(s)}; }},
-      {"winkler, 2 x 2 samples", [](Sensor& s) { s.samples_per_taxel = 2; }},
-      {"elastic_layer, half-space, 2 x 2, cold",
-       [](Sensor& s) { s.samples_per_taxel = 2, s.skin = elasticSkin(s.skin, ElasticLayer::Base::kHalfSpace, 0); }, true},
-      {"elastic_layer, half-space, 2 x 2, cold, ten iterations",
-       [](Sensor& s) {
-         s.samples_per_taxel = 2, s.skin = elasticSkin(s.skin, ElasticLayer::Base::kHalfSpace, 0);
-         std::get<ElasticLayer>(s.skin.law).tolerance = 1e-5;
-       },
-       true},
-      {"elastic_layer, half-space, 2 x 2, sliding",
-       [](Sensor& s) { s.samples_per_taxel = 2, s.skin = elasticSkin(s.skin, ElasticLayer::Base::kHalfSpace, 0); }},
-      {"elastic_layer, bonded, margin, 2 x 2, sliding",
-       [](Sensor& s) { s.samples_per_taxel = 2, s.skin = elasticSkin(s.skin, ElasticLayer::Base::kBonded, 4e-3); }},
-      {"elastic_layer, bonded, margin, 2 x 2, sliding, friction",
-       [](Sensor& s) {
-         s.samples_per_taxel = 2, s.skin = elasticSkin(s.skin, ElasticLayer::Base::kBonded, 4e-3);
-         s.skin.friction = {.tangential_stiffness = 1e8, .friction_coefficient = 0.5};
-       }},
-      {"elastic_layer, bonded, margin, 2 x 2, sliding, relaxation, two terms",
-       [](Sensor& s) {
-         s.samples_per_taxel = 2, s.skin = elasticSkin(s.skin, ElasticLayer::Base::kBonded, 4e-3);
-         s.skin.relaxation = {{.fraction = 0.2, .time = 0.1}, {.fraction = 0.2, .time = 2}};
-       }},
-      {"pasternak", [](Sensor& s) { s.skin.law = foundation(s.skin); }},
-      {"pasternak, area", [](Sensor& s) { s.skin.law = foundation(s.skin), s.depth_sampling = DepthSampling::kArea; }},
-      {.name = "lugre",
-       .change = [=](Sensor& s) { s.skin.law = LuGre{.normal_contact_stiffness = stiffness(s)}; },
-       .is_paired = true,
-       .is_law = true},
-      {.name = "friction",
-       .change = [](Sensor& s) { s.skin.friction = {.tangential_stiffness = 1e8, .friction_coefficient = 0.5}; },
-       .is_paired = true},
-      {.name = "relaxation, two terms",
-       .change =
-           [](Sensor& s) {
-             s.skin.relaxation = {{.fraction = 0.2, .time = 0.1}, {.fraction = 0.2, .time = 2}};
-           },
-       .is_paired = true},
-      {.name = "readout: low-pass, hysteresis, creep, delay",
-       .change =
-           [](Sensor& s) {
-             s.readout.low_pass_time = 0.01;
-             s.readout.hysteresis_strength = {0.1, 0.1};
-             s.readout.hysteresis_width = {0.01, 0.1};
-             s.readout.creep = {{0.1, 1}, {0.1, 10}};
-             s.readout.delay = 2 * kDt;
-           },
-       .is_paired = true},
-      {.name = "readout: noise, bias, walk, gain spread, dead taxels",
-       .change =
-           [](Sensor& s) {
-             s.readout.noise = 17;
-             s.readout.bias = 5;
-             s.readout.random_walk = 1;
-             s.readout.gain_spread = 0.05;
-             s.readout.dead_taxel_probability = 0.01;
-           },
-       .is_paired = true},
-      {.name = "contact features, no regions", .change = [](Sensor&) {}, .max_regions = 0, .is_paired = true},
-      {.name = "contact features, four regions", .change = [](Sensor&) {}, .max_regions = 4, .is_paired = true},
-      {.name = "tactile Jacobian", .change = [](Sensor&) {}, .jacobian = true, .is_paired = true},
-  };
-}
-
-// Two cases at once; nothing where one excludes the other.
-std::optional<Case> bothOf(const Case& a, const Case& b) {
-  const bool excluded = (a.is_law && b.is_law) || (a.max_regions >= 0 && b.max_regions >= 0);
-  if (!a.is_paired || !b.is_paired || excluded) return {};
-  return Case{.name = a.name + " + " + b.name,
-              .change = [a = a.change, b = b.change](Sensor& s) { a(s), b(s); },
-              .max_regions = std::max(a.max_regions, b.max_regions),
-              .jacobian = a.jacobian || b.jacobian};
-}
-
 std::vector<Pose> slid(std::vector<Pose> X_SO) {
   for (Pose& pose : X_SO) pose.position[0] += kStride;
   return X_SO;
@@ -158,7 +47,7 @@ std::vector<Pose> slid(std::vector<Pose> X_SO) {
 // A batch under one law.
 class Run {
  public:
-  Run(const Device& device, const Case& work, Sensor sensor, const Object& object, const std::vector<Pose>& X_SO)
+  Run(const Device& device, const LawCase& work, Sensor sensor, const Object& object, const std::vector<Pose>& X_SO)
       : name_(work.name), cold_(work.cold), sensor_(std::move(sensor)), ids_(X_SO.size(), 0), here_(X_SO), there_(slid(X_SO)) {
     work.change(sensor_);
     const Model model(device, {.sensor = sensor_, .objects = {object}});
@@ -180,7 +69,7 @@ class Run {
     }
     const Stopwatch watch;
     simulator_->setObjects(ids_, here_);
-    simulator_->step(kDt);
+    simulator_->step(kLawCaseStep);
     const FrameView frame = simulator_->read();
     const double seconds = watch.seconds();
     for (const float force : frame.ground_truth.total_force) blank_ += !(force > 0);
@@ -259,7 +148,7 @@ nlohmann::ordered_json runObject(const Device& device, const Sensor& sensor, con
                                  const Options& options) {
   const std::vector<Pose> X_SO = randomPoses(object, spread, options.num_instances, kPoseSeed);
   std::vector<Run> runs;
-  for (const Case& work : allCases()) {
+  for (const LawCase& work : lawCases()) {
     if (runs.empty() || options.only.empty() || work.name == options.only) runs.emplace_back(device, work, sensor, object, X_SO);
   }
   warmUp(device.info(), [&] { runs[0].frame(); });
@@ -325,21 +214,21 @@ std::optional<Compared> comparedTo(Run& plain, const DeviceInfo& device, const s
 nlohmann::ordered_json runPairs(const Device& device, const Sensor& sensor, const Object& object, const PoseSpread& spread,
                                 const Options& options) {
   const std::vector<Pose> X_SO = randomPoses(object, spread, options.num_instances, kPoseSeed);
-  const std::vector<Case> cases = allCases();
+  const std::vector<LawCase> cases = lawCases();
   Run plain(device, cases[0], sensor, object, X_SO);
   FrameCounter counter(device, object, countedPoses(X_SO));
-  const auto measure = [&](const Case& work) {
+  const auto measure = [&](const LawCase& work) {
     return comparedTo(
         plain, device.info(), [&] { return Run(device, work, sensor, object, X_SO); }, options);
   };
   std::vector<double> alone;
-  for (const Case& work : cases) alone.push_back(work.is_paired ? measure(work).value().times_plain : 1);
+  for (const LawCase& work : cases) alone.push_back(work.is_paired ? measure(work).value().times_plain : 1);
   std::printf("%s, pairs of options: times winkler, and what the pair adds to a frame over the sum of what both add alone\n",
               object.name.c_str());
   nlohmann::ordered_json results = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < cases.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
-      const std::optional<Case> both = bothOf(cases[k], cases[i]);
+      const std::optional<LawCase> both = bothOf(cases[k], cases[i]);
       if (!both) continue;
       const std::optional<Compared> pair = measure(*both);
       nlohmann::ordered_json result{{"options", {cases[k].name, cases[i].name}}, {"times_winkler_alone", {alone[k], alone[i]}}};

@@ -1,6 +1,7 @@
 // Each fast path against the plain path: the same bits, or the frame of the twin where another formula computes the same surface.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -190,6 +191,32 @@ TEST(FasterPathsOnEveryDriver, LockstepChangesNoBit) {
   Sensor layer = support::gridSensor({.num_rows = 5, .num_cols = 6, .samples_per_taxel = 2});
   layer.skin.law = ElasticLayer{.elastic_modulus = 1e6, .poisson_ratio = 0.49};
   expectLockstepDoesNotShow(layer);
+}
+
+// A cylinder across the array slides back and forth over several taxels: those beside it are skipped in some steps, and what they kept
+// from the step before must not count in the next one.
+void expectSkippedTaxelsForget(const Sensor& sensor) {
+  constexpr double kRadius = 8e-3, kSlide = 5e-3, kHalf = 0.39, kLie = 0.7071067811865476;  // m; half of the yaw, rad; sine of 45 degrees
+  const std::vector<Object> objects{Object("cylinder", Cylinder{.radius = kRadius, .length = 60e-3})};
+  std::vector<std::vector<Touch>> steps;
+  for (const double at : {-0.5, 0.5, -0.4, 0.1, 0.6, -0.5}) {
+    const Quaternion lying{kLie * std::cos(kHalf), kLie * std::cos(kHalf), kLie * std::sin(kHalf), kLie * std::sin(kHalf)};
+    steps.push_back({{{0}, {{{at * kSlide, 0, kRadius - 0.6e-3}, lying}}}});
+  }
+  const auto bits = [&](const char* plain) {
+    const Plain without(plain);
+    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+    Simulator simulator(model, {.num_instances = 1});
+    return bitsOf(simulator, steps);
+  };
+  EXPECT_EQ(bits(""), bits("untouched"));
+}
+
+TEST(FasterPathsOnEveryDriver, SkippedTaxelsForgetTheirStates) {
+  Sensor sensor = support::gridSensor({.num_rows = 8, .num_cols = 8, .samples_per_taxel = 4, .law = {1.73e8, 1, 1e5}});
+  expectSkippedTaxelsForget(sensor);
+  sensor.skin.friction = {.tangential_stiffness = 5e7, .friction_coefficient = 0.8};
+  expectSkippedTaxelsForget(sensor);
 }
 
 // Objects that jump or disappear after every reset: old contents of the buffers change no bit.
