@@ -193,7 +193,7 @@ TEST(FasterPathsOnEveryDriver, LockstepChangesNoBit) {
   expectLockstepDoesNotShow(layer);
 }
 
-// A cylinder across the array slides back and forth over several taxels: those beside it are skipped in some steps, and what they kept
+// A cylinder across the array slides back and forth over several taxels: those next to it are skipped in some steps, and what they kept
 // from the step before must not count in the next one.
 void expectSkippedTaxelsForget(const Sensor& sensor) {
   constexpr double kRadius = 8e-3, kSlide = 5e-3, kHalf = 0.39, kLie = 0.7071067811865476;  // m; half of the yaw, rad; sine of 45 degrees
