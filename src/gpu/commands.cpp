@@ -1,9 +1,11 @@
 #include "gpu/commands.h"
 
 #include <array>
+#include <chrono>
 #include <functional>
 #include <limits>
 #include <stdexcept>
+#include <thread>
 
 #include "gpu/vulkan_buffer.h"
 
@@ -53,6 +55,14 @@ vk::AccessFlags used(Access access) {
     default:
       return {};
   }
+}
+
+// How long a thread asks a GPU whether it has ended before it sleeps: waking it can take longer than the frame.
+constexpr std::chrono::microseconds kPolling(500);
+
+void pollFor(std::chrono::microseconds time, const vk::raii::Fence& fence) {
+  const auto end = std::chrono::steady_clock::now() + time;
+  while (fence.getStatus() == vk::Result::eNotReady && std::chrono::steady_clock::now() < end) std::this_thread::yield();
 }
 
 }  // namespace
@@ -225,6 +235,7 @@ void Commands::wait() {
   Context::Vulkan& vk_context = vulkan_->context.vulkan();
   vulkan_->submitted = false;
   checked(vulkan_->name, "", [&] {
+    if (vulkan_->context.info().type != DeviceType::kCpu) pollFor(kPolling, vulkan_->fence);
     const vk::Result result = vk_context.device.waitForFences(*vulkan_->fence, true, std::numeric_limits<std::uint64_t>::max());
     if (result != vk::Result::eSuccess) vk::throwResultException(result, "waitForFences");
     vk_context.device.resetFences(*vulkan_->fence);

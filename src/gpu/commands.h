@@ -50,7 +50,8 @@ class Commands {
   void finish();
   // Submits the list, finished if necessary. Does not wait for the device. Must not be called again before wait().
   void submit();
-  // Waits for the last submit(), if any. Throws Error(kDevice) when the device was lost or there was a validation message.
+  // Waits for the last submit(), if any; for a GPU it polls at first. Throws Error(kDevice) when the device was lost or there was a
+  // validation message.
   void wait();
   // Seconds from mark `from` to mark `to` in the last run that has ended, until the next submit(); NaN if the device has no clock.
   double seconds(std::uint32_t from, std::uint32_t to) const;
