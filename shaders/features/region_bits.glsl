@@ -16,7 +16,7 @@ float writeForcesByBits(Instance instance) {
   uint row = 0, t = 0;
   for (; row < kBitRows && instance.end > 0; ++row) {
     uint reports = 0, below = 0;
-    for (uint col = 0; col < NUM_COLS; ++col, ++t) {
+    [[dont_unroll]] for (uint col = 0; col < NUM_COLS; ++col, ++t) {
       Measured measured = measuredAt(instance, t);
       forces[instance.first_word + t] = measured.force;
       taxel_regions[instance.first_word + t] = measured.reports ? t : kNoRegion;
@@ -68,15 +68,24 @@ bool growRow(uint row) {
   return grown[row] != before;
 }
 
-// The region with the lowest taxel `bit` of row `first`, above which no row has taxels of it.
-void growRegion(uint first, uint bit) {
-  for (uint row = 0; row < kBitRows; ++row) grown[row] = 0;
-  grown[first] = bit;
+// The lowest taxel without a region: its row, and its bit; 0 where there is none.
+uvec2 lowestTaxel() {
+  uvec2 lowest = uvec2(0);
+  for (uint row = kBitRows; row > 0; --row) {
+    uint bits = reporting[row - 1];
+    if (bits != 0) lowest = uvec2(row - 1, bits & (~bits + 1u));
+  }
+  return lowest;
+}
+
+// The region of a taxel.
+void growRegion(uvec2 taxel) {
+  for (uint row = 0; row < kBitRows; ++row) grown[row] = row == taxel.x ? taxel.y : 0u;
   bool grows = true;
   while (grows) {
     grows = false;
-    for (uint row = first; row < kBitRows; ++row) grows = growRow(row) || grows;
-    for (uint row = kBitRows; row > first; --row) grows = growRow(row - 1) || grows;
+    for (uint row = 0; row < kBitRows; ++row) grows = growRow(row) || grows;
+    for (uint row = kBitRows; row > 0; --row) grows = growRow(row - 1) || grows;
   }
   checkLoop(grows);
 }
@@ -84,7 +93,7 @@ void growRegion(uint first, uint bit) {
 // Writes the words of the region's taxels, and takes them from those without a region. Returns the sum of their forces, see FORCE_STEPS.
 uint takeRegion(Instance instance, uint name, float steps) {
   uint sum = 0;
-  for (uint row = name / NUM_COLS; row < kBitRows; ++row) {
+  for (uint row = 0; row < kBitRows; ++row) {
     uint bits = grown[row];
     reporting[row] &= ~bits;
     while (bits != 0) {
@@ -107,23 +116,24 @@ uint findRegionsByBits(Instance instance, float peak) {
     sums[r] = 0;
     names[r] = kNoRegion;
   }
-  for (uint row = 0; row < kBitRows && instance.end > 0; ++row) {
-    while (reporting[row] != 0) {
-      uint name = row * NUM_COLS + uint(findLSB(reporting[row]));
-      growRegion(row, reporting[row] & (~reporting[row] + 1u));
-      uint sum = takeRegion(instance, name, steps) + 1u;
-      ++count;
-      for (uint r = 0; r < REGIONS; ++r) {
-        if (sum <= sums[r]) continue;
-        uint lesser = sums[r], lesser_name = names[r];
-        sums[r] = sum;
-        names[r] = name;
-        sum = lesser;
-        name = lesser_name;
-      }
+  // One loop over the regions, not one in each row: the regions of several instances are found together, wherever they begin.
+  uvec2 taxel = instance.end > 0 ? lowestTaxel() : uvec2(0);
+  while (taxel.y != 0) {
+    uint name = taxel.x * NUM_COLS + uint(findLSB(taxel.y));
+    growRegion(taxel);
+    uint sum = takeRegion(instance, name, steps) + 1u;
+    ++count;
+    for (uint r = 0; r < REGIONS; ++r) {
+      if (sum <= sums[r]) continue;
+      uint lesser = sums[r], lesser_name = names[r];
+      sums[r] = sum;
+      names[r] = name;
+      sum = lesser;
+      name = lesser_name;
     }
-    checkLoop(reporting[row] != 0);
+    taxel = lowestTaxel();
   }
+  checkLoop(taxel.y != 0);
   for (uint r = 0; r < REGIONS && instance.end > 0; ++r) regions[instance.number * REGIONS + r] = names[r];
   return count;
 }
