@@ -1,6 +1,6 @@
-// Closed loops of sensors on robots on the device. After the passes of a frame, servo.comp commands each sensor by the features, moves
-// it, and writes the pose of its object for the next frame, with the bits that TactileServoController, Robots and Simulator::setObjects()
-// give. Poses and features then need not cross the bus.
+// Closed loops of sensors, free-flying or on a robot, that the device closes. After the passes of a frame, servo.comp commands each sensor
+// by the features, moves it, and writes the pose of its object for the next frame, with the bits that TactileServoController, Robots and
+// Simulator::setObjects() give. Poses and features then need not cross the bus.
 //
 // An instance whose objects are set runs an episode from the next step on, after start(); its other steps take the pose that the device has
 // computed.
