@@ -32,7 +32,7 @@ void addTaxel(uint kind, Part part, uint t, float weight, float trigger, uint wo
   bool is_in_range = t >= part.first && t < part.end, is_in = is_in_range && isOfRegion(part, word);
   t = min(t, NUM_TAXELS - 1u);
   if (kind == kSumsRidge) {
-    if (is_in_range) addToRidge(part, t, weight, is_in, ridge, sums);
+    addToRidge(part, t, weight, is_in_range, is_in, ridge, sums);
     return;
   }
   if (!is_in) weight = 0.0;

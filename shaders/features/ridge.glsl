@@ -33,12 +33,13 @@ Ridge noRidge() {
   return ridge;
 }
 
-// Adds a taxel to the normal equations: 15 moments of the weights, 6 right sides. `measured`: its force, N; `is_in`: it is one of the part.
-void addToRidge(Part part, uint t, float measured, bool is_in, Ridge ridge, inout PartSums sums) {
+// Adds a taxel to the normal equations: 15 moments of the weights, 6 right sides. `measured`: its force, N; `is_in`: it is one of the part; `is_in_range`: it is
+// in the part's range. No branches: software drivers select every sum between both sides of one.
+void addToRidge(Part part, uint t, float measured, bool is_in_range, bool is_in, Ridge ridge, inout PartSums sums) {
   float trigger = readoutOf(t).y;
   bool is_silent = !reportsForce(measured, trigger);
   vec4 reception = receptionOf(t);
-  if (reception.w <= 0.0 || !is_silent && !is_in) return;
+  bool counts = is_in_range && reception.w > 0.0 && (is_silent || is_in);
   vec2 p = (positionOf(part, t) + inPlane(part, reception.xyz) - ridge.middle).xy;
   float u = dot(ridge.along, p) * ridge.per_unit.x, v = dot(vec2(-ridge.along.y, ridge.along.x), p) * ridge.per_unit.y;
   float uu = u * u, uv = u * v, vv = v * v;
@@ -54,6 +55,8 @@ void addToRidge(Part part, uint t, float measured, bool is_in, Ridge ridge, inou
   vec2 errors = vec2(ridge.noise, reception.w * kProfileError * ridge.peak) * (1.0 / kGainScatter);
   float weight = measurable * measurable / (measurable * measurable + dot(errors, errors));
   if (is_silent) weight *= max(1.0 - trigger * per_measurable, 0.0);
+  weight = counts ? weight : 0.0;
+  float right = counts ? weight * (logarithm + excess) : 0.0;
   for (uint k = 0; k < kRidgeMoments; ++k) sums.s[k] += weight * monomials[k];
-  for (uint k = 0; k < kRidgeUnknowns; ++k) sums.s[kRidgeMoments + k] += weight * (logarithm + excess) * monomials[k];
+  for (uint k = 0; k < kRidgeUnknowns; ++k) sums.s[kRidgeMoments + k] += right * monomials[k];
 }
