@@ -88,15 +88,26 @@ void computePart(uint instance, uint which, bool is_valid, uint num_instances) {
   float noise = forceNoise(instance);
   vec3 center = vec3(0), second = vec3(0);
   PartSums core = noSums();
-  Axes axes = Axes(0.0, 0.0, 0.0, 0.0), ridge = axes;
+  Axes windowed = Axes(0.0, 0.0, 0.0, 0.0), ridge_axes = windowed;
   if (isTrueForAnyTeam(moments.force > 0.0)) {
     if (moments.force > 0.0) center = vec3(sums.s[2], sums.s[3], sums.s[4]) / moments.force;
-    core = sumPart(kSumsSecond, part, center, mean_force);
-    moments.first = vec3(core.s[0], core.s[1], core.s[2]);
-    moments.second = vec3(core.s[3], core.s[4], core.s[5]);
-    axes = windowedAxes(part, center, moments.force);
+    ForceWindow window = windowAt(center, moments.force);
+    core = sumPart(kSumsWindow | kSumsSecond, part, center, mean_force);
+    moveWindow(core, moments.force, window);
+    moments.first = vec3(core.s[kAfterWindow], core.s[kAfterWindow + 1], core.s[kAfterWindow + 2]);
+    moments.second = vec3(core.s[kAfterWindow + 3], core.s[kAfterWindow + 4], core.s[kAfterWindow + 5]);
     if (moments.force > 0.0) second = centralMoments(moments.force, moments.first.xy, moments.second);
-    ridge = ridgeEdge(part, second, center, moments.peak, noise);
+    Ridge ridge = ridgeOf(part, second, center, moments.peak, noise);
+    for (uint n = 0; n < kRidgeIterations; ++n) {
+      sums = sumPart(kSumsWindow | kSumsRidge, part, window.middle, 0.0, ridge);
+      moveWindow(sums, moments.force, window);
+      solveRidge(sums, ridge);
+    }
+    for (uint n = 1 + kRidgeIterations; n < kWindowIterations; ++n) {
+      moveWindow(sumPart(kSumsWindow, part, window.middle, 0.0), moments.force, window);
+    }
+    windowed = axesOf(window);
+    ridge_axes = axesOf(ridge, moments.peak);
   }
   if (!is_due || gl_LocalInvocationIndex % TEAM > 0) return;
 
@@ -108,8 +119,8 @@ void computePart(uint instance, uint which, bool is_valid, uint num_instances) {
   uint num_rows = num_instances * kRows;
   uint row = instance * kRows + which + (kOnePatch && which > 0 ? 1 : 0);
   float patch_number = part.plane == LAST_PLANE ? -1.0 : float(part.plane);
-  writeRow(row, num_rows, plane, patch_number, moments, center, axes, ridge, tilt, type);
-  if (kOnePatch && which == 0) writeRow(row + 1, num_rows, plane, patch_number, moments, center, axes, ridge, tilt, type);
+  writeRow(row, num_rows, plane, patch_number, moments, center, windowed, ridge_axes, tilt, type);
+  if (kOnePatch && which == 0) writeRow(row + 1, num_rows, plane, patch_number, moments, center, windowed, ridge_axes, tilt, type);
 }
 
 void main() {

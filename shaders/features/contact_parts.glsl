@@ -54,10 +54,11 @@ Part loadPart(uint instance, uint number, bool is_due) {
 // Whether a taxel of the part's range is one of its taxels. `word`: its word in taxel_regions.
 bool isOfRegion(Part part, uint word) { return REGIONS == 0 || part.region == kNoRegion || (word & kNoRegion) == part.region; }
 
-// A direction of the frame of `taxels` in C.
-vec3 inPlane(Part part, vec3 d) {
-  if (kOnePatch || part.plane == LAST_PLANE) return d;
+// A position in the frame of `taxels`, in C.
+vec3 inPlane(Part part, vec3 p) {
+  if (kOnePatch || part.plane == LAST_PLANE) return p;
   PlaneRecord plane = planes[part.plane];
+  vec3 d = p - vec3(plane.X_SC_row0.w, plane.X_SC_row1.w, plane.X_SC_row2.w);
   return plane.X_SC_row0.xyz * d.x + plane.X_SC_row1.xyz * d.y + plane.X_SC_row2.xyz * d.z;
 }
 
@@ -69,8 +70,10 @@ vec3 positionOf(Part part, uint t) {
     float i = floor((number + 0.5) * part.per_col);
     return vec3((vec2(i, number - i * part.size.y) - 0.5 * (part.size - 1.0)) * part.pitch.xy, 0);
   }
-  vec3 p_S = chartOf(t).xyz;
-  if (!kList || part.plane == LAST_PLANE) return p_S;
-  PlaneRecord plane = planes[part.plane];
-  return inPlane(part, p_S - vec3(plane.X_SC_row0.w, plane.X_SC_row1.w, plane.X_SC_row2.w));
+  return inPlane(part, chartOf(t).xyz);
+}
+
+// Mean place of what a taxel receives, in C, m. `reception`: receptionOf(t).
+vec3 receptionPlace(Part part, uint t, vec4 reception) {
+  return inPlane(part, vec3(reception.xy, kOnePatch ? 0.0 : readoutOf(t).w));
 }

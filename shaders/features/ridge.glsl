@@ -20,6 +20,7 @@ const float kLeastAnisotropy = 1e-6;                  // of the curvature across
 
 struct Ridge {
   vec3 middle;    // of u and v, in C, m
+  vec2 doubled;   // cosine and sine of twice the angle of u
   vec2 along;     // direction of u
   vec2 unit;      // of u and v, m
   vec2 per_unit;  // 1 / unit
@@ -29,17 +30,18 @@ struct Ridge {
 };
 
 Ridge noRidge() {
-  Ridge ridge = Ridge(vec3(0), vec2(1, 0), vec2(1), vec2(1), 1.0, 0.0, float[kRidgeUnknowns](0.0, 0.0, 0.0, -0.5, 0.0, -0.5));
+  Ridge ridge = Ridge(vec3(0), vec2(1, 0), vec2(1, 0), vec2(1), vec2(1), 1.0, 0.0, float[kRidgeUnknowns](0.0, 0.0, 0.0, -0.5, 0.0, -0.5));
   return ridge;
 }
 
-// Adds a taxel to the normal equations: 15 moments of the weights, 6 right sides. `measured`: its force, N; `is_in`: it is one of the part.
-void addToRidge(Part part, uint t, float measured, bool is_in, Ridge ridge, inout PartSums sums) {
-  float trigger = readoutOf(t).y;
-  bool is_silent = !reportsForce(measured, trigger);
+// Adds a taxel to the normal equations, from sum `first`: 15 moments of the weights, 6 right sides. `measured`: its force, N; `is_in`: it is one of the part; `is_in_range`: it is
+// in the part's range. No branches: software drivers select every sum between both sides of one.
+void addToRidge(Part part, uint t, float measured, bool is_in_range, bool is_in, Ridge ridge, uint first, inout PartSums sums) {
   vec4 reception = receptionOf(t);
-  if (reception.w <= 0.0 || !is_silent && !is_in) return;
-  vec2 p = (positionOf(part, t) + inPlane(part, reception.xyz) - ridge.middle).xy;
+  float trigger = reception.z;
+  bool is_silent = !reportsForce(measured, trigger);
+  bool counts = is_in_range && reception.w > 0.0 && (is_silent || is_in);
+  vec2 p = (receptionPlace(part, t, reception) - ridge.middle).xy;
   float u = dot(ridge.along, p) * ridge.per_unit.x, v = dot(vec2(-ridge.along.y, ridge.along.x), p) * ridge.per_unit.y;
   float uu = u * u, uv = u * v, vv = v * v;
   // By degree; written out, because drivers do not unroll loops with such bounds.
@@ -54,6 +56,8 @@ void addToRidge(Part part, uint t, float measured, bool is_in, Ridge ridge, inou
   vec2 errors = vec2(ridge.noise, reception.w * kProfileError * ridge.peak) * (1.0 / kGainScatter);
   float weight = measurable * measurable / (measurable * measurable + dot(errors, errors));
   if (is_silent) weight *= max(1.0 - trigger * per_measurable, 0.0);
-  for (uint k = 0; k < kRidgeMoments; ++k) sums.s[k] += weight * monomials[k];
-  for (uint k = 0; k < kRidgeUnknowns; ++k) sums.s[kRidgeMoments + k] += weight * (logarithm + excess) * monomials[k];
+  weight = counts ? weight : 0.0;
+  float right = counts ? weight * (logarithm + excess) : 0.0;
+  for (uint k = 0; k < kRidgeMoments; ++k) sums.s[first + k] += weight * monomials[k];
+  for (uint k = 0; k < kRidgeUnknowns; ++k) sums.s[first + kRidgeMoments + k] += right * monomials[k];
 }

@@ -3,7 +3,8 @@
 // Solves the normal equations, with the prior, by the Schur complement of the linear part: matrices of three rows, because drivers do not unroll loops over
 // six.
 void solveRidge(PartSums sums, inout Ridge ridge) {
-  float m[kMostSums] = sums.s;
+  float m[kRidgeMoments + kRidgeUnknowns];
+  for (uint k = 0; k < kRidgeMoments + kRidgeUnknowns; ++k) m[k] = sums.s[kAfterWindow + k];
   mat3 linear = mat3(m[0] + kLeastWeight, m[1], m[2], m[1], m[3] + kRidgePrior, m[4], m[2], m[4], m[5] + kRidgePrior);
   mat3 mixed = mat3(m[3], m[6], m[7], m[4], m[7], m[8], m[5], m[8], m[9]);  // a column per quadratic monomial
   mat3 quadratic = mat3(m[10], m[11], m[12], m[11], m[12], m[13], m[12], m[13], m[14]) + mat3(kRidgePrior);
@@ -28,22 +29,25 @@ vec2 halved(vec2 doubled) {
   return doubled.x >= 0.0 ? vec2(larger, smaller) : vec2(smaller, larger);
 }
 
-// Angle of the ridge in C, in (-pi/2, pi/2], and how much its curvatures differ; both 0 where undefined.
-// `second`: moments of all forces about `middle`, their centre, in C, m; `peak`, `noise`: N.
-Axes ridgeEdge(Part part, vec3 second, vec3 middle, float peak, float noise) {
+// The ridge that the fit starts from. `second`: moments of all forces about `middle`, their centre, in C, m; `peak`, `noise`: N.
+Ridge ridgeOf(Part part, vec3 second, vec3 middle, float peak, float noise) {
   Axes start = axesOf(second);
-  vec2 doubled = doubledAxis(second);
   Ridge ridge = noRidge();
   ridge.middle = middle;
-  ridge.along = halved(doubled);
+  ridge.doubled = doubledAxis(second);
+  ridge.along = halved(ridge.doubled);
   ridge.unit = sqrt(max(vec2(start.large, start.small), vec2(kLeastWidth * kLeastWidth * part.pitch.z * part.pitch.z)));
   ridge.per_unit = 1.0 / ridge.unit;
   ridge.peak = peak > 0.0 ? peak : 1.0;
   ridge.noise = noise;
-  for (uint n = 0; n < kRidgeIterations; ++n) solveRidge(sumPart(kSumsRidge, part, middle, 0.0, ridge), ridge);
+  return ridge;
+}
+
+// Angle of a fitted ridge in C, in (-pi/2, pi/2], and how much its curvatures differ; both 0 where undefined. `peak`: N.
+Axes axesOf(Ridge ridge, float peak) {
   // Curvatures of the logarithm, times unit.x unit.y.
   float uu = ridge.b[3] * ridge.unit.y / ridge.unit.x, vv = ridge.b[5] * ridge.unit.x / ridge.unit.y;
-  vec2 difference = vec2(uu - vv, ridge.b[4]);
+  vec2 difference = vec2(uu - vv, ridge.b[4]), doubled = ridge.doubled;
   float radius = 0.5 * length(difference), across = radius - 0.5 * (uu + vv), along = max(across - 2.0 * radius, 0.0);
   Axes axes = Axes(0.0, 0.0, 0.0, 0.0);
   if (peak <= 0.0 || across <= 0.0 || radius <= kLeastAnisotropy * across) return axes;

@@ -4,19 +4,22 @@
 const uint kWindowIterations = 4u;
 const float kMinWindowShare = 1e-3;  // of the force; two contacts far apart have no force between them
 
-// Axes of second moments. `middle`: where the window starts, in C, m; `force`: of the part, N.
-Axes windowedAxes(Part part, vec3 middle, float force) {
-  vec3 second = vec3(0);
-  bool is_empty = force <= 0.0;
-  for (uint n = 0; n < kWindowIterations; ++n) {
-    PartSums sums = sumPart(kSumsWindow, part, middle, 0.0);
-    float weight = sums.s[2];
-    is_empty = is_empty || weight < kMinWindowShare * force;
-    if (is_empty) continue;
-    vec2 first = vec2(sums.s[0], sums.s[1]);
-    second = centralMoments(weight, first, vec3(sums.s[3], sums.s[4], sums.s[5]));
-    middle.xy += first / weight;
-  }
-  if (is_empty) second = vec3(0);
-  return axesOf(second);
+struct ForceWindow {
+  vec3 middle;    // in C, m
+  vec3 second;    // central moments under the window before the last move, m^2
+  bool is_empty;  // the window has lost the force: no direction
+};
+
+ForceWindow windowAt(vec3 middle, float force) { return ForceWindow(middle, vec3(0), force <= 0.0); }
+
+// Moves the window to the centre of the forces under it. `sums`: of kSumsWindow about its middle; `force`: of the part, N.
+void moveWindow(PartSums sums, float force, inout ForceWindow window) {
+  float weight = sums.s[2];
+  window.is_empty = window.is_empty || weight < kMinWindowShare * force;
+  if (window.is_empty) return;
+  vec2 first = vec2(sums.s[0], sums.s[1]);
+  window.second = centralMoments(weight, first, vec3(sums.s[3], sums.s[4], sums.s[5]));
+  window.middle.xy += first / weight;
 }
+
+Axes axesOf(ForceWindow window) { return axesOf(window.is_empty ? vec3(0) : window.second); }

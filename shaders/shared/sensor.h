@@ -22,9 +22,9 @@ struct TileRecord {
 // One taxel.
 struct TaxelRecord {
   vec4 chart;    // position in C, m; area, m^2
-  vec4 readout;  // gain; trigger, N; patch; 0
-  // What the point spread brings to the taxel if every taxel has the same force: the mean place it comes from less the taxel's, in C, m;
-  // its sum over that force, times the calibrated gain.
+  vec4 readout;  // gain; trigger, N; patch; z of the place in `reception`
+  // What the point spread brings to the taxel if every taxel has the same force: the mean place it comes from, in C, x and y, m; the
+  // trigger again, so that a fit takes one fetch; its sum over that force, times the calibrated gain.
   vec4 reception;
 };
 

@@ -50,16 +50,18 @@ void packSources(const Sensor& sensor, const Sources& sources, PackedSensor& pac
 void packReception(const Sensor& sensor, const Sources& sources, PackedSensor& packed) {
   for (std::size_t t = 0; t < sources.size(); ++t) {
     layout::TaxelRecord& taxel = packed.taxels[t];
-    glm::dvec3 offset{0};
+    glm::dvec3 place{0};
     double sum = 0;
     for (const glm::vec2& entry : sources[t]) {
       const std::uint32_t source = std::bit_cast<std::uint32_t>(entry.x);
       const double share = static_cast<double>(entry.y) * static_cast<double>(packed.spread_scale[source]);
-      offset += share * glm::dvec3(packed.taxels[source].chart - taxel.chart);
+      place += share * glm::dvec3(packed.taxels[source].chart);
       sum += share;
     }
     const double gain = sensor.readout.calibrated_gain.empty() ? 1 : sensor.readout.calibrated_gain[t];
-    taxel.reception = glm::dvec4(sum > 0 ? offset / sum : glm::dvec3(0), sum * gain);
+    place = sum > 0 ? place / sum : glm::dvec3(taxel.chart);
+    taxel.reception = glm::dvec4(place.x, place.y, taxel.readout.y, sum * gain);
+    taxel.readout.w = static_cast<float>(place.z);
   }
 }
 

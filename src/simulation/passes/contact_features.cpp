@@ -28,7 +28,7 @@ std::uint64_t regionIterations(const ModelData& model, int max_regions) {
 
 // The same for a part.
 std::uint64_t partIterations(const ModelData& model) {
-  constexpr std::uint64_t kNumScans = 10;  // over the taxels of a part, at most
+  constexpr std::uint64_t kNumScans = 7;  // over the taxels of a part, at most
   return kNumScans * (model.num_taxels + 2ull * kMostSums * model.packed_contact.lanes);
 }
 
