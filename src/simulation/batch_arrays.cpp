@@ -158,7 +158,9 @@ constexpr BatchArray kArrays[] = {
                                             countIf(s.model.leaves_tiles, tiles(s));
                                    }),
     internal<block::State>("contact state", contactStates),
-    internal<block::LawState>("law state", [](Shape s) { return countIf(!s.model.law.taxel_passes.empty() || (s.model.hasMask() && s.outputsJacobian()), taxels(s)); }),
+    internal<block::LawState>(
+        "law state",
+        [](Shape s) { return countIf(!s.model.law.taxel_passes.empty() || (s.model.hasMask() && s.outputsJacobian()), taxels(s)); }),
     internal<block::FrictionState>("friction state", layerFrictionStates),
     internal<block::ContactNormal>("contact_normal", taxels),
     internal<block::MaskedNormal>("masked_normal", [](Shape s) { return countIf(s.model.hasMask() && !s.takesContacts(), taxels(s)); }),

@@ -10,6 +10,7 @@
 #include "contact_regions.spv.h"
 #include "contact_winkler.spv.h"
 #include "contacts.spv.h"
+#include "deformation_mask.spv.h"
 #include "elastic_layer.spv.h"
 #include "find_candidates.spv.h"
 #include "force_gradient.spv.h"
@@ -20,7 +21,6 @@
 #include "keep_candidates.spv.h"
 #include "linked_foundation.spv.h"
 #include "load.spv.h"
-#include "deformation_mask.spv.h"
 #include "mask_jacobian.spv.h"
 #include "mass_spring_damper.spv.h"
 #include "pasternak.spv.h"
@@ -132,8 +132,8 @@ TEST(PassInterfaces, MatchTheShaders) {
 }
 
 TEST(PassInterfaces, ConstantsKeepIdAndBits) {
-  const auto list = gpu::constantsOf<11>(
-      TaxelLawInterface{.SCALED = true, .LAW_0 = 0.5, .LAW_1 = 2.0f, .SHEAR = false, .FRICTION_COEFFICIENT = -1.0});
+  const auto list =
+      gpu::constantsOf<11>(TaxelLawInterface{.SCALED = true, .LAW_0 = 0.5, .LAW_1 = 2.0f, .SHEAR = false, .FRICTION_COEFFICIENT = -1.0});
   const std::array<std::uint32_t, 5> bits{1, 0x3F000000u, 0x40000000u, 0, 0xBF800000u};
   ASSERT_EQ(list.size(), bits.size());
   for (std::uint32_t k = 0; k < bits.size(); ++k) {

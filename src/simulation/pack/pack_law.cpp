@@ -32,9 +32,7 @@ struct AddLaw {
     packed.taxel_passes = {{"mass_spring_damper", same(k_mass_spring_damper_spirv)}};
     packed.whole_array = true;
   }
-  void operator()(const DeformationMask& law) const {
-    packed.taxel_parameters = {static_cast<float>(law.saturation_pressure)};
-  }
+  void operator()(const DeformationMask& law) const { packed.taxel_parameters = {static_cast<float>(law.saturation_pressure)}; }
   void operator()(const Proximity&) const { packed.taxel_passes = {{"proximity", same(k_proximity_spirv), TaxelPass::Owner::kTile}}; }
   void operator()(const ElasticLayer&) const {
     packed = {.kernel = "contact_elastic_layer",
