@@ -83,7 +83,7 @@ constexpr double kRelaxSample = 7, kRelaxTerm = 6;  // relaxation.glsl, skinAt()
 
 // mass_spring_damper.comp: distance from rest 1, two rows of exp(A dt) 6, state 2, scale 1.
 constexpr double kMassTaxel = 1 + 6 + 2 + 1;
-// deformation_mask.comp, nine sources, limit 1; rescale.comp: sum 1, scale 2.
+// deformation_mask.comp: nine sources, limit 1, sum 1, scale 2.
 constexpr double kMaskTaxel = 9 * 2 + 1 + 3;
 
 // lag.glsl: hysteresis() per element, creep() per term, approach() of the low-pass.

@@ -26,7 +26,10 @@
 #include "common/whole.glsl"
 #include "common/philox.glsl"
 #include "driver/loop_limit.glsl"
+
+const uint kContactMargin = MARGIN, kSpreadRadius = KERNEL / 2;
 #include "readout/image_window.glsl"
+#include "readout/clear_outside.glsl"
 #include "readout/spread.glsl"
 #include "readout/lag.glsl"
 #include "readout/imperfections.glsl"

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Tactile Jacobian of the law deformation_mask, second half: differentiates rescale.comp. The derivative of scale r, with scale = pressed / carried, is
+// Tactile Jacobian of the law deformation_mask, second half: differentiates the scale of deformation_mask.comp. The derivative of scale r, with scale = pressed / carried, is
 // scale r' + scale' r.
 //
 // An invocation owns one coordinate of the twist of one instance.

@@ -15,6 +15,7 @@
 #define BLOCK_Taxels BLOCK(Taxels, TaxelRecord, taxels[])
 #define BLOCK_SpreadRows BLOCK(SpreadRows, vec4, spread_rows[])
 #define BLOCK_SpreadScale BLOCK(SpreadScale, float, spread_scale[])  // (t)
+#define BLOCK_MaskScale BLOCK(MaskScale, float, mask_scale[])  // (t): what a source gives to deformation_mask per newton, on one grid patch
 #define BLOCK_Mask BLOCK(Mask, vec2, mask[])  // of deformation_mask (MASK_SOURCES / 2 x t x 2): source taxel (as bits), weight
 #define BLOCK_Influence BLOCK(Influence, float, influence[])  // of an elastic layer (node rows x 2 rows of strips)
 #define BLOCK_FoundationNodes BLOCK(FoundationNodes, FoundationNodeRecord, foundation_nodes[])      // of a linked foundation (num_nodes)
@@ -50,6 +51,7 @@
 #define BLOCK_FrictionState BLOCK(FrictionState, Pair, friction_state[])     // of an elastic layer: kFrictionHeader, then one of every node
 #define BLOCK_LawState BLOCK(LawState, vec2, law_state[])                    // (n x t), of laws with taxel passes
 #define BLOCK_ContactNormal BLOCK(ContactNormal, float, contact_normal[])    // (n x t), N
+#define BLOCK_MaskedNormal BLOCK(MaskedNormal, float, masked_normal[])       // (n x t), N, of the law deformation_mask
 #define BLOCK_ContactShear BLOCK(ContactShear, float, contact_shear[])       // (n x t x 2), N
 #define BLOCK_ContactDepth BLOCK(ContactDepth, float, contact_depth[])       // (n x t), m
 #define BLOCK_TileResults BLOCK(TileResults, TileResult, tile_results[])     // (n x num_tiles)
@@ -106,7 +108,7 @@
 // clang-format off
 #define ALL_BLOCKS                                                                                              \
   BLOCK_Objects BLOCK_Groups BLOCK_Clusters BLOCK_Quads BLOCK_Faces                                             \
-  BLOCK_SensorBlock BLOCK_Patches BLOCK_Tiles BLOCK_Taxels BLOCK_SpreadRows BLOCK_SpreadScale BLOCK_Mask         \
+  BLOCK_SensorBlock BLOCK_Patches BLOCK_Tiles BLOCK_Taxels BLOCK_SpreadRows BLOCK_SpreadScale BLOCK_Mask BLOCK_MaskScale         \
   BLOCK_Influence BLOCK_FoundationNodes BLOCK_FoundationLinks BLOCK_FoundationBlocks BLOCK_NearBlocks            \
   BLOCK_Planes BLOCK_Neighbours BLOCK_FeatureSource BLOCK_Triggers                                                                                 \
   BLOCK_Poses BLOCK_Motions BLOCK_Instances BLOCK_Step BLOCK_Loads BLOCK_Contacts BLOCK_NumContacts              \
@@ -115,7 +117,7 @@
   BLOCK_JointPositions BLOCK_JointVelocities                                                                    \
   BLOCK_ObjectPoses BLOCK_SensorPoses BLOCK_Actions BLOCK_RobotStatuses BLOCK_ServoFeatures                      \
   BLOCK_Candidates BLOCK_CandidateQuads BLOCK_Work BLOCK_WorkInstances                                          \
-  BLOCK_State BLOCK_FrictionState BLOCK_LawState BLOCK_ContactNormal BLOCK_ContactShear BLOCK_ContactDepth       \
+  BLOCK_State BLOCK_FrictionState BLOCK_LawState BLOCK_ContactNormal BLOCK_MaskedNormal BLOCK_ContactShear BLOCK_ContactDepth       \
   BLOCK_TileResults BLOCK_Heights BLOCK_NodeCells BLOCK_Windows BLOCK_Layer BLOCK_Foundation BLOCK_TaxelStates BLOCK_ImageWindows BLOCK_AxisPlays \
   BLOCK_Forces BLOCK_TaxelRegions BLOCK_RegionSums BLOCK_Regions                                                \
   BLOCK_ContactCells BLOCK_TileChanges BLOCK_TaxelJacobian BLOCK_MaskedJacobian BLOCK_WrenchJacobian             \

@@ -33,6 +33,7 @@ CONSTANT(35, bool, KEEPS_WINDOW)             // every step has a frame, so outsi
 CONSTANT(36, bool, RANDOM_SKIN)              // every instance has a trigger, hysteresis, delay and width of the spread of its own
 CONSTANT(37, bool, SCALED)                   // contact_normal holds forces divided by the part of the kernel that stays on the sensor
 CONSTANT(38, bool, READS_AT_REST)            // a taxel has a trigger below 0
+CONSTANT(39, uint, MARGIN)                   // so many taxels around those that objects reach may have a force, too
 
 BUFFER(0, readonly, Instances)
 BUFFER(1, readonly, Step)

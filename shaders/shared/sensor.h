@@ -50,6 +50,9 @@ struct PlaneRecord {
   vec4 even;    // second moments of the plane's taxels under even pressure: xx, xy, yy of C, m^2; 0
 };
 
+// The mask of the law deformation_mask on grids: RobWorkSim's, integrated over a taxel and over its neighbours along sides and diagonals.
+TAXELSIM_FLOAT kMaskMiddle = 0.52464f, kMaskSide = 0.10387f, kMaskCorner = 0.01497f;
+
 // Columns of the image pass for a sensor that is not one grid patch, or whose point spread is not a kernel.
 TAXELSIM_CONSTANT kListCols = 16u;
 

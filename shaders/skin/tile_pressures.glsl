@@ -151,6 +151,8 @@ float sampleHeight(Tile tile, TileStep step, uint address, vec2 position, inout 
 const bool kHasStates = kStoresTouched || RELAXATION > 0;
 const bool kUnrollsRows = (uint(kHasStates) | uint(OUTPUT_JACOBIAN)) != 0u;
 const uint kSamplesAtOnce = kUnrollsRows ? 4u : 1u;  // of a row
+// The code of four samples with bristles exceeds a processor's cache for instructions.
+const uint kUnrolledSamples = BRISTLES ? 2u : kSamplesAtOnce;
 
 // Words of the samples of a taxel's row and of the rows before and after it, as in the tile; kEmpty where there is no sample or no surface.
 struct RowWords {
@@ -270,8 +272,8 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
       if (RELAXATION > 0) skin_states = readSkin(states_at);
       if (kShears) shear_states = readShears(states_at, touched);
       if (HAS_STATE) depths = mix(uvec4(0), fourOf(PastState, states_at + kDepthState), bvec4(touched));
-      [[unroll]] for (uint i = 0; i < kSamplesAtOnce; ++i) {
-        uint b = first + i;
+      for (uint part = 0; part < kSamplesAtOnce; part += kUnrolledSamples) [[unroll]] for (uint k = 0; k < kUnrolledSamples; ++k) {
+        uint i = part + k, b = first + i;
         if (kUnrollsRows && b >= SAMPLES) break;
         uint address = (base.x + a) * tile.stride + base.y + b;
         vec2 position = vec2(x, samplePosition(tile, first_sample + vec2(0, b)).y);

@@ -158,9 +158,12 @@ constexpr BatchArray kArrays[] = {
                                             countIf(s.model.leaves_tiles, tiles(s));
                                    }),
     internal<block::State>("contact state", contactStates),
-    internal<block::LawState>("law state", [](Shape s) { return countIf(!s.model.law.taxel_passes.empty(), taxels(s)); }),
+    internal<block::LawState>(
+        "law state",
+        [](Shape s) { return countIf(!s.model.law.taxel_passes.empty() || (s.model.hasMask() && s.outputsJacobian()), taxels(s)); }),
     internal<block::FrictionState>("friction state", layerFrictionStates),
     internal<block::ContactNormal>("contact_normal", taxels),
+    internal<block::MaskedNormal>("masked_normal", [](Shape s) { return countIf(s.model.hasMask() && !s.takesContacts(), taxels(s)); }),
     internal<block::ContactShear>("contact_shear", [](Shape s) { return countIf(s.outputsShear(), 2 * taxels(s)); }),
     internal<block::TaxelStates>("taxel states", [](Shape s) { return s.model.packed.num_states * taxels(s); }),
     internal<block::TileResults>("tile_results", tiles),

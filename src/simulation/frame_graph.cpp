@@ -109,6 +109,7 @@ void recordObjects(const Model::Impl& model, const BatchShape& shape, Recorder& 
                                            .with_jacobian = shape.outputsJacobian()});
   }
   model.taxel_laws.record(recorder, shape.outputsShear());
+  if (model.deformation_mask) model.deformation_mask->record(recorder, shape.outputsJacobian());
 }
 
 // Stages 3 to 6.
@@ -116,6 +117,7 @@ void recordImage(const Model::Impl& model, const BatchShape& shape, Recorder& re
   const OutputOptions& outputs = shape.options.outputs;
   model.image.record(recorder, {.random = kind.random,
                                 .whole_array = model.data.law.whole_array && !shape.takesContacts(),
+                                .masked = model.data.hasMask() && !shape.takesContacts(),
                                 .with_normal = outputs.tactile_normal_force || outputs.clean_contact_features || shape.outputsJacobian() ||
                                                outputs.taxel_counts,
                                 .with_shear = shape.outputsShear(),

@@ -18,6 +18,7 @@ Model::Impl::Impl(const Device& device, const ModelOptions& options, const Tunin
       contact_features(data, options),
       tactile_jacobian(data, options),
       servo(data) {
+  if (data.hasMask()) deformation_mask.emplace(data, options);
   if (data.isLinked()) {
     linked_foundation.emplace(data, options);
   } else if (data.isPasternak()) {

@@ -78,6 +78,8 @@ void uploadSensor(const ModelData& model, ModelBuffers& buffers) {
   buffers.upload<block::SpreadRows>("spread rows", packed.spread_rows);
   buffers.upload<block::SpreadScale>("spread scale", packed.spread_scale);
   buffers.upload<block::Mask>("mask", model.mask.empty() ? std::vector<glm::vec2>(2) : model.mask);
+  const bool scales_mask = model.hasMask() && packed.one_grid;
+  buffers.upload<block::MaskScale>("mask scale", scales_mask ? packMaskScale(model.sensor) : std::vector<float>(1));
   buffers.upload<block::Planes>("planes", model.packed_contact.planes);
   buffers.upload<block::Neighbours>("neighbours", model.packed_contact.neighbours);
   std::vector<float> triggers;

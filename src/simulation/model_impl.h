@@ -8,6 +8,7 @@
 #include "simulation/passes/contact.h"
 #include "simulation/passes/contact_features.h"
 #include "simulation/passes/contacts.h"
+#include "simulation/passes/deformation_mask.h"
 #include "simulation/passes/elastic_layer.h"
 #include "simulation/passes/image.h"
 #include "simulation/passes/linked_foundation.h"
@@ -36,6 +37,7 @@ struct Model::Impl {
   std::optional<PasternakPass> pasternak;
   std::optional<LinkedFoundationPass> linked_foundation;
   TaxelLawPasses taxel_laws;
+  std::optional<DeformationMaskPass> deformation_mask;  // of this law
   ImagePass image;
   ThreeAxisPass three_axis;
   LoadSearchPass load_search;

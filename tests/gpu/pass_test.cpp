@@ -10,6 +10,7 @@
 #include "contact_regions.spv.h"
 #include "contact_winkler.spv.h"
 #include "contacts.spv.h"
+#include "deformation_mask.spv.h"
 #include "elastic_layer.spv.h"
 #include "find_candidates.spv.h"
 #include "force_gradient.spv.h"
@@ -117,6 +118,7 @@ TEST(PassInterfaces, MatchTheShaders) {
   expectMatches<LinkedFoundationInterface>(k_linked_foundation_spirv, "linked_foundation");
   expectMatches<TaxelLawInterface>(k_mass_spring_damper_spirv, "taxel_law");
   expectMatches<ContactsInterface>(k_contacts_spirv, "contacts");
+  expectMatches<DeformationMaskInterface>(k_deformation_mask_spirv, "deformation_mask");
   expectMatches<ImageInterface>(k_image_spirv, "image");
   expectMatches<ThreeAxisInterface>(k_three_axis_spirv, "three_axis");
   expectMatches<ContactRegionsInterface>(k_contact_regions_spirv, "contact_regions");
@@ -130,9 +132,9 @@ TEST(PassInterfaces, MatchTheShaders) {
 }
 
 TEST(PassInterfaces, ConstantsKeepIdAndBits) {
-  const auto list = gpu::constantsOf<11>(
-      TaxelLawInterface{.SCALED = true, .LAW_0 = 0.5, .LAW_1 = 2.0f, .SHEAR = false, .FRICTION_COEFFICIENT = -1.0, .MASK_SOURCES = 9u});
-  const std::array<std::uint32_t, 6> bits{1, 0x3F000000u, 0x40000000u, 0, 0xBF800000u, 9};
+  const auto list =
+      gpu::constantsOf<11>(TaxelLawInterface{.SCALED = true, .LAW_0 = 0.5, .LAW_1 = 2.0f, .SHEAR = false, .FRICTION_COEFFICIENT = -1.0});
+  const std::array<std::uint32_t, 5> bits{1, 0x3F000000u, 0x40000000u, 0, 0xBF800000u};
   ASSERT_EQ(list.size(), bits.size());
   for (std::uint32_t k = 0; k < bits.size(); ++k) {
     EXPECT_EQ(list[k].id, 11 + k);

@@ -10,12 +10,10 @@
 #include "contact_pasternak_lockstep.spv.h"
 #include "contact_winkler.spv.h"
 #include "contact_winkler_lockstep.spv.h"
-#include "deformation_mask.spv.h"
-#include "deformation_mask_lockstep.spv.h"
 #include "mass_spring_damper.spv.h"
 #include "proximity.spv.h"
-#include "rescale.spv.h"
 #include "sensor/deformation_mask.h"
+#include "shared/sensor.h"
 
 namespace taxelsim {
 namespace {
@@ -34,12 +32,7 @@ struct AddLaw {
     packed.taxel_passes = {{"mass_spring_damper", same(k_mass_spring_damper_spirv)}};
     packed.whole_array = true;
   }
-  void operator()(const DeformationMask& law) const {
-    packed.taxel_passes = {{"deformation_mask", {k_deformation_mask_spirv, k_deformation_mask_lockstep_spirv}},
-                           {"rescale", same(k_rescale_spirv), TaxelPass::Owner::kInstance}};
-    packed.taxel_parameters = {static_cast<float>(law.saturation_pressure)};
-    packed.whole_array = true;
-  }
+  void operator()(const DeformationMask& law) const { packed.taxel_parameters = {static_cast<float>(law.saturation_pressure)}; }
   void operator()(const Proximity&) const { packed.taxel_passes = {{"proximity", same(k_proximity_spirv), TaxelPass::Owner::kTile}}; }
   void operator()(const ElasticLayer&) const {
     packed = {.kernel = "contact_elastic_layer",
@@ -114,10 +107,16 @@ void packRelaxation(std::span<const RelaxationTerm> terms, double dt, layout::St
 
 namespace {
 
-// The sources of each taxel of grids: RobWorkSim's mask integrated over taxels; include/taxelsim/sensor.h, DeformationMask.
-std::vector<std::vector<MaskSource>> maskSourcesOfGrids(const Sensor& sensor) {
-  constexpr std::array<double, 3> kWeights{0.52464, 0.10387, 0.01497};  // by the number of steps to the neighbour
-  std::vector<std::vector<MaskSource>> sources(static_cast<std::size_t>(numTaxels(sensor)));
+struct GridMask {
+  std::vector<std::vector<MaskSource>> sources;  // of each taxel
+  std::vector<float> scale;                      // of each source: 1 / the part of the mask that stays on the sensor
+};
+
+GridMask maskOfGrids(const Sensor& sensor) {
+  // By the number of steps to the neighbour.
+  constexpr std::array<double, 3> kWeights{layout::kMaskMiddle, layout::kMaskSide, layout::kMaskCorner};
+  GridMask mask;
+  mask.sources.resize(static_cast<std::size_t>(numTaxels(sensor)));
   int first = 0;
   for (const GridPatch& patch : sensor.patches) {
     const auto forNeighbours = [&](int i, int j, const auto& visit) {
@@ -132,19 +131,24 @@ std::vector<std::vector<MaskSource>> maskSourcesOfGrids(const Sensor& sensor) {
       const int j = source % patch.num_cols;
       double inside = 0;
       forNeighbours(i, j, [&](int, double weight) { inside += weight; });
+      mask.scale.push_back(static_cast<float>(1 / inside));
       forNeighbours(i, j, [&](int taxel, double weight) {
-        sources[static_cast<std::size_t>(taxel)].push_back({first + source, weight / inside});
+        mask.sources[static_cast<std::size_t>(taxel)].push_back({first + source, weight / inside});
       });
     }
     first += patch.num_rows * patch.num_cols;
   }
-  return sources;
+  return mask;
 }
 
 }  // namespace
 
+std::vector<float> packMaskScale(const Sensor& sensor) {
+  return maskOfGrids(sensor).scale;
+}
+
 std::vector<glm::vec2> packMask(const Sensor& sensor) {
-  const std::vector<std::vector<MaskSource>> sources = isTaxelList(sensor) ? maskSources(sensor) : maskSourcesOfGrids(sensor);
+  const std::vector<std::vector<MaskSource>> sources = isTaxelList(sensor) ? maskSources(sensor) : maskOfGrids(sensor).sources;
   std::size_t most = 0;
   for (const std::vector<MaskSource>& list : sources) most = std::max(most, list.size());
   std::vector<glm::vec2> pairs;

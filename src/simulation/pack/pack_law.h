@@ -16,7 +16,7 @@ namespace taxelsim {
 
 // A pass between contact and image, shaders/passes/taxel_law.h.
 struct TaxelPass {
-  enum class Owner { kTaxel, kInstance, kTile };
+  enum class Owner { kTaxel, kTile };
 
   std::string kernel;
   gpu::ShaderVariants spirv;
@@ -48,5 +48,8 @@ void packRelaxation(std::span<const RelaxationTerm> terms, double dt, layout::St
 
 // The mask of DeformationMask: (num_sources / 2 x num_taxels x 2) pairs of source (as bits) and weight; num_sources is even, ten on grids.
 std::vector<glm::vec2> packMask(const Sensor& sensor);
+
+// (num_taxels): what a source on grids gives to the mask per newton, so that its force stays on the sensor.
+std::vector<float> packMaskScale(const Sensor& sensor);
 
 }  // namespace taxelsim

@@ -119,6 +119,7 @@ void ContactPass::record(Recorder recorder, Variant variant) const {
     recorder.bindings.redirect<block::ContactNormal, block::Heights>();
     recorder.bindings.redirect<block::TileResults, block::Windows>();
   }
+  if (model_.hasMask()) recorder.bindings.redirect<block::SpreadScale, block::MaskScale>();
   recorder.bindings.redirect<block::PastState, block::State>();
   const Kernel& kernel = kernels_.get(variant, [&] { return makeKernel(variant); });
   if (variant.leaves_tiles) recorder.copyWorkRows(layout::kLeftTiles, layout::kLeftTiles, 2);
@@ -151,7 +152,7 @@ ContactPass::Kernel ContactPass::makeKernel(const Variant& variant) const {
       .HAS_STATE = law.has_state && !only_searches,
       .SEARCH = variant.search,
       .THICKNESS = skin.thickness,
-      .SCALED = model_.packed.scalesSpread() && !taxels_follow && !model_.layer,
+      .SCALED = model_.hasMask() ? model_.packed.one_grid : model_.packed.scalesSpread() && !taxels_follow && !model_.layer,
       .MANY_SLOTS = variant.many_slots,
       .OBJECT_KINDS = kinds,
       .TRIANGLE_SIZES = triangleSizes(model_.object_kinds, area),

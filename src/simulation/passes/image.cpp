@@ -52,7 +52,8 @@ ImagePass::ImagePass(const ModelData& model, const ModelOptions& options, const 
   sizes_.pass.repeat = tunedRepeat(tuning.image_repeat, sizes_.pass.repeat, "tuning.image_repeat");
 }
 
-void ImagePass::record(Recorder& recorder, const Variant& variant) const {
+void ImagePass::record(Recorder recorder, const Variant& variant) const {
+  if (variant.masked) recorder.bindings.redirect<block::ContactNormal, block::MaskedNormal>();
   recorder.dispatch(kernels_.get(variant, [&] { return makeKernel(variant); }),
                     numWorkgroups(recorder.num_instances, sizes_.itemsPerWorkgroup()));
 }
@@ -93,7 +94,8 @@ ImagePass::Kernel ImagePass::makeKernel(const Variant& variant) const {
                          .KEEPS_WINDOW = model_.profile.paths().untouched && model_.sensor.frame_rate == 0,
                          .RANDOM_SKIN = variant.random_skin,
                          .SCALED = packed.scalesSpread(),
-                         .READS_AT_REST = reads_at_rest}};
+                         .READS_AT_REST = reads_at_rest,
+                         .MARGIN = variant.masked ? 1u : 0u}};
 }
 
 }  // namespace taxelsim

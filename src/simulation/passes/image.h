@@ -13,6 +13,7 @@ class ImagePass {
   struct Variant {
     bool random = false;                               // some instance draws noise or gains
     bool whole_array = false;                          // taxels that no object reaches may have a force
+    bool masked = false;                               // by the law deformation_mask
     bool with_normal = false;                          // outputs tactile_normal_force
     bool with_shear = false;                           // outputs tactile_shear_force of a sensor with friction
     bool random_skin = false;                          // every instance has factors of its own, SkinVariation
@@ -25,7 +26,7 @@ class ImagePass {
   // Items are instances.
   const TeamSizes& sizes() const { return sizes_; }
 
-  void record(Recorder& recorder, const Variant& variant) const;
+  void record(Recorder recorder, const Variant& variant) const;
 
  private:
   using Kernel = gpu::PassKernel<ImageInterface>;

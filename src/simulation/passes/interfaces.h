@@ -58,6 +58,10 @@ struct ContactsInterface {
 #include "passes/contacts.h"
 };
 
+struct DeformationMaskInterface {
+#include "passes/deformation_mask.h"
+};
+
 struct ImageInterface {
 #include "passes/image.h"
 };

@@ -15,11 +15,9 @@ std::uint64_t TaxelLawPasses::itemsPerInstance(const TaxelPass& pass) const {
     case TaxelPass::Owner::kTaxel:
       return model_.num_taxels;
     case TaxelPass::Owner::kTile:
-      return model_.packed.tiles.size();
-    case TaxelPass::Owner::kInstance:
       break;
   }
-  return 1;
+  return model_.packed.tiles.size();
 }
 
 TaxelLawPasses::Kernels TaxelLawPasses::makeKernels(bool with_shear) const {
@@ -31,8 +29,7 @@ TaxelLawPasses::Kernels TaxelLawPasses::makeKernels(bool with_shear) const {
                                            .LAW_0 = model_.law.taxel_parameters[0],
                                            .LAW_1 = model_.law.taxel_parameters[1],
                                            .SHEAR = with_shear,
-                                           .FRICTION_COEFFICIENT = model_.sensor.skin.friction.friction_coefficient,
-                                           .MASK_SOURCES = model_.numMaskSources()});
+                                           .FRICTION_COEFFICIENT = model_.sensor.skin.friction.friction_coefficient});
   }
   return kernels;
 }

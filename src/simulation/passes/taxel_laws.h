@@ -1,5 +1,4 @@
-// Passes over taxels of the laws that have some, between contact and image: shaders/mass_spring_damper.comp, deformation_mask.comp,
-// rescale.comp, proximity.comp.
+// Passes over taxels of the laws that have some, between contact and image: shaders/mass_spring_damper.comp, proximity.comp.
 #pragma once
 
 #include <vector>
