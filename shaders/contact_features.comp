@@ -78,7 +78,8 @@ bool isTrueForAnyTeam(bool condition) {
 
 // All teams execute the same barriers; a team without a part of its own (`is_valid` false) writes nothing.
 void computePart(uint instance, uint which, bool is_valid, uint num_instances) {
-  bool is_due = is_valid && hasNewValues(instance, is_clean);
+  bool is_due = is_valid && hasNewValues(instance, is_clean), has_only_region = is_due && hasOnlyRegion(instance);
+  if (has_only_region && which == kFirstRegion) is_due = false;  // with the sensor
   Part part = loadPart(instance, which, is_due);
   PartSums sums = sumPart(kSumsForce, part, vec3(0), 0.0);
   if (kList && REGIONS > 0) choosePlane(part, sums);
@@ -114,13 +115,16 @@ void computePart(uint instance, uint which, bool is_valid, uint num_instances) {
   PlaneRecord plane = planes[part.plane];
   Tilt tilt = Tilt(vec2(0), 0.0);
   if (part.is_grid) tilt = tiltOf(plane, core, mean_force);
-  float num_taxels = which >= kFirstRegion ? num_reporting : float(part.end - part.first);
-  float type = typeOf(plane, second, moments.force, kNoiseFactor * noise * sqrt(num_taxels));
+  float any_type = typeOf(plane, second, moments.force), least_force = kNoiseFactor * noise;
+  float region_type = moments.force > least_force * sqrt(num_reporting) ? any_type : kContactNone;
+  float type = which >= kFirstRegion ? region_type : moments.force > least_force * sqrt(float(part.end - part.first)) ? any_type : kContactNone;
   uint num_rows = num_instances * kRows;
   uint row = instance * kRows + which + (kOnePatch && which > 0 ? 1 : 0);
   float patch_number = part.plane == LAST_PLANE ? -1.0 : float(part.plane);
   writeRow(row, num_rows, plane, patch_number, moments, center, windowed, ridge_axes, tilt, type);
-  if (kOnePatch && which == 0) writeRow(row + 1, num_rows, plane, patch_number, moments, center, windowed, ridge_axes, tilt, type);
+  if (!kOnePatch || which > 0) return;
+  writeRow(row + 1, num_rows, plane, patch_number, moments, center, windowed, ridge_axes, tilt, type);
+  if (has_only_region) writeRow(row + 2, num_rows, plane, patch_number, moments, center, windowed, ridge_axes, tilt, region_type);
 }
 
 void main() {

@@ -5,7 +5,7 @@
 //
 // A workgroup has WORKGROUP / TEAM teams; each team processes REPEAT instances in sequence. An invocation owns every TEAM-th taxel of an instance.
 // In:  image (num_instances x num_taxels), counts, or in its place spread_normal, N, as feature_source says.
-// Out: forces, N, and taxel_regions, shared/features.h (num_instances x num_taxels, features/taxel_words.glsl); regions (num_instances x REGIONS), largest first;
+// Out: forces, N, and taxel_regions, shared/features.h (num_instances x num_taxels, features/taxel_words.glsl); regions (num_instances x REGIONS), largest first, with kOnlyRegion;
 //      features: the number of all regions (num_instances). region_sums, likewise, is scratch.
 // Shared memory: 16 WORKGROUP / TEAM bytes.
 // Deterministic: a region is named by its lowest taxel, whatever order taxels are united in; forces are summed as integers.
@@ -58,12 +58,13 @@ void findRegions(uint number, bool is_valid, uint num_instances) {
   bool is_due = is_valid && hasNewValues(number, is_clean);
   Instance instance = Instance(number, number * NUM_TAXELS, 4u * kTaxelFours * number, is_due ? NUM_TAXELS : 0);
   if (kByBits) {
-    float peak = writeForcesByBits(instance);
+    bool is_stray;
+    float peak = writeForcesByBits(instance, is_stray);
     findCoreByBits();
     if (REGIONS == 0) {
       writeCoreByBits(instance);
     } else {
-      uint count = findRegionsByBits(instance, peak);
+      uint count = findRegionsByBits(instance, peak, is_stray);
       if (is_due) features[FIRST_COUNT * num_instances + number] = float(count);
     }
     return;

@@ -29,6 +29,9 @@ struct Part {
   vec3 per_pitch;    // 1 / pitch
 };
 
+// Whether the first region has all forces of its instance: its row then has the values of the sensor's, except for the type, and is not computed apart.
+bool hasOnlyRegion(uint instance) { return kOnePatch && REGIONS > 0 && (regions[instance * REGIONS] & kOnlyRegion) != 0; }
+
 // Part `number` (< kParts) of an instance; empty if it is not due or its region does not exist.
 Part loadPart(uint instance, uint number, bool is_due) {
   uint plane = kOnePatch ? 0 : LAST_PLANE;

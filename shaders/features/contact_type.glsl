@@ -21,9 +21,9 @@ bool isAsWideAsTheArray(PlaneRecord plane, vec2 across, float width) {
   return width > kMaxPointLength * pitchAlong(plane, across) && width >= kArrayWidth * array_width;
 }
 
-// `second`: central second moments, m^2. `least_force`: N; with less there is no contact.
-float typeOf(PlaneRecord plane, vec3 second, float force, float least_force) {
-  if (force <= least_force) return kContactNone;
+// `second`: central second moments, m^2.
+float typeOf(PlaneRecord plane, vec3 second, float force) {
+  if (force <= 0.0) return kContactNone;
   Axes touched = axesOf(second - plane.spread.xyz);
   vec2 along = vec2(cos(touched.angle), sin(touched.angle));
   float size = sqrt(12.0 * max(touched.large, 0.0)), width = sqrt(12.0 * touched.small);

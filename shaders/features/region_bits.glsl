@@ -10,8 +10,9 @@ uint reporting[kBitRows];  // taxels that report and are in no region yet
 uint core[kBitRows];       // core taxels; until they are found, those that are not saturated
 uint grown[kBitRows];      // taxels of the region that is being found
 
-// Writes the forces of all taxels and the words of the silent ones; returns the largest force of those that report.
-float writeForcesByBits(Instance instance) {
+// Writes the forces of all taxels and the words of the silent ones; returns the largest force of those that report. `is_stray`: a silent taxel has a force.
+float writeForcesByBits(Instance instance, out bool is_stray) {
+  is_stray = false;
   float peak = 0.0;
   uint row = 0, t = 0;
   for (; row < kBitRows && instance.end > 0; ++row) {
@@ -21,6 +22,7 @@ float writeForcesByBits(Instance instance) {
       forces[instance.first_word + t] = measured.force;
       taxel_regions[instance.first_word + t] = measured.reports ? t : kNoRegion;
       if (measured.reports) peak = max(peak, measured.force);
+      is_stray = is_stray || !measured.reports && measured.force != 0.0;
       reports |= (measured.reports ? 1u : 0u) << col;
       below |= (measured.saturated ? 0u : 1u) << col;
     }
@@ -108,7 +110,7 @@ uint takeRegion(Instance instance, uint name, float steps) {
 }
 
 // Finds all regions by rising name, and writes the names of the REGIONS largest. Returns the number of all.
-uint findRegionsByBits(Instance instance, float peak) {
+uint findRegionsByBits(Instance instance, float peak, bool is_stray) {
   const uint kRegions = REGIONS > 0u ? REGIONS : 1u;
   float steps = peak > 0.0 ? float(FORCE_STEPS) / peak : 0.0;
   uint sums[kRegions], names[kRegions], count = 0;  // sums plus 1, falling; 0: none
@@ -134,6 +136,7 @@ uint findRegionsByBits(Instance instance, float peak) {
     taxel = lowestTaxel();
   }
   checkLoop(taxel.y != 0);
+  if (count == 1 && !is_stray) names[0] |= kOnlyRegion;
   for (uint r = 0; r < REGIONS && instance.end > 0; ++r) regions[instance.number * REGIONS + r] = names[r];
   return count;
 }

@@ -107,6 +107,8 @@ TAXELSIM_FLOAT kContactArea = 3.0f;
 TAXELSIM_CONSTANT kNoRegion = 0x3FFFFFFFu;
 TAXELSIM_CONSTANT kCoreInRow = 0x40000000u;
 TAXELSIM_CONSTANT kCoreTaxel = 0x80000000u;
+// Flag of the largest region of an instance: no taxel outside of it has a force.
+TAXELSIM_CONSTANT kOnlyRegion = 0x80000000u;
 
 TAXELSIM_LAYOUT_END
 
