@@ -8,7 +8,7 @@
 // sequence. The parts of a block of instances are in consecutive workgroups: most regions do not exist, and drivers give each thread consecutive workgroups.
 // In:  forces, N, and taxel_regions, shared/features.h (num_instances x num_taxels, features/taxel_words.glsl); regions (num_instances x REGIONS).
 // Out: features (block after block, each num_instances x num_rows x components, shared/features.h).
-// Parts without force skip all scans but the first.
+// Parts without force skip all scans but the first. The row of an only region is written with the sensor's (hasOnlyRegion()).
 // Shared memory: 4 PARTIALS + 4 bytes.
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of team and workgroup.
 // Mutable globals: is_clean; any_unfinished_loop (driver/loop_limit.glsl).
