@@ -151,8 +151,8 @@ float sampleHeight(Tile tile, TileStep step, uint address, vec2 position, inout 
 const bool kHasStates = kStoresTouched || RELAXATION > 0;
 const bool kUnrollsRows = (uint(kHasStates) | uint(OUTPUT_JACOBIAN)) != 0u;
 const uint kSamplesAtOnce = kUnrollsRows ? 4u : 1u;  // of a row
-// The code of four samples with bristles exceeds a processor's cache for instructions.
-const uint kUnrolledSamples = BRISTLES ? 2u : kSamplesAtOnce;
+// The code of four samples exceeds a processor's cache for instructions.
+const uint kUnrolledSamples = kUnrollsRows ? 2u : 1u;
 
 // Words of the samples of a taxel's row and of the rows before and after it, as in the tile; kEmpty where there is no sample or no surface.
 struct RowWords {
