@@ -5,8 +5,8 @@
 //
 // A workgroup has WORKGROUP / TEAM teams; each team processes REPEAT instances in sequence. An invocation owns every TEAM-th taxel of an instance.
 // In:  image (num_instances x num_taxels), counts, or in its place spread_normal, N, as feature_source says.
-// Out: forces, N, and taxel_regions, shared/features.h (num_instances x num_taxels, features/taxel_words.glsl); regions (num_instances x REGIONS), largest first, with kOnlyRegion;
-//      features: the number of all regions (num_instances). region_sums, likewise, is scratch.
+// Out: forces, N, and taxel_regions, shared/features.h (num_instances x num_taxels, features/taxel_words.glsl); regions (num_instances x REGIONS), largest first,
+//      with kOnlyRegion; features: the number of all regions (num_instances). region_sums, likewise, is scratch.
 // Shared memory: 16 WORKGROUP / TEAM bytes.
 // Deterministic: a region is named by its lowest taxel, whatever order taxels are united in; forces are summed as integers.
 // Mutable globals: is_clean; any_unfinished_loop (driver/loop_limit.glsl); the words of the rows (features/region_bits.glsl).

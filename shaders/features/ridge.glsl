@@ -34,8 +34,8 @@ Ridge noRidge() {
   return ridge;
 }
 
-// Adds a taxel to the normal equations, from sum `first`: 15 moments of the weights, 6 right sides. `measured`: its force, N; `is_in`: it is one of the part; `is_in_range`: it is
-// in the part's range. No branches: software drivers select every sum between both sides of one.
+// Adds a taxel to the normal equations, from sum `first`: 15 moments of the weights, 6 right sides. `measured`: its force, N; `is_in_range`: it is in the part's
+// range; `is_in`: it is one of the part. No branches: software drivers select every sum between both sides of one.
 void addToRidge(Part part, uint t, float measured, bool is_in_range, bool is_in, Ridge ridge, uint first, inout PartSums sums) {
   vec4 reception = receptionOf(t);
   float trigger = reception.z;
