@@ -89,7 +89,7 @@ void solveInstance(uint instance, uint num_instances, uint num_slots) {
   if (RELAXATION > 0) {
     setCompliances(surface, window);
     float lowered = lowerTargetsByDents(skin, window);
-    if (!by_load) limitTargets((surface.reached.w + kStrip - 1u) / kStrip, -REACH * max(max(lowered, deepest), 0.0), window);
+    if (!by_load) limitTargets(surface, -REACH * max(max(lowered, deepest), 0.0), window);
     deepest = lowered;
   }
   float load = by_load ? instances[instance].drive.x : 0.0;

@@ -15,8 +15,7 @@ const uint kCoveredRate = kLayerTarget, kPlaceRateX = kLayerDirection, kPlaceRat
 
 // 0 outside the window.
 CellRate storedRate(Window window, uvec2 node) {
-  uint strip_of = node.y / kStrip;
-  if (node.x - window.rows.x >= window.rows.y || strip_of - window_first[node.x] >= window.width) return CellRate(0.0, vec2(0));
+  if (!isInWindow(window, node)) return CellRate(0.0, vec2(0));
   uint start = window.layer_start;
   return CellRate(valueAt(start, kCoveredRate, node), vec2(valueAt(start, kPlaceRateX, node), valueAt(start, kPlaceRateY, node)));
 }

@@ -82,11 +82,10 @@ void setCompliances(Surface surface, Window window) {
   uint k = gl_LocalInvocationIndex;
   for (; k < window.num_strips; k += WORKGROUP) {
     uvec2 at = stripAt(window, k);
-    Strip more = strip(0.0);
+    vec4 more = vec4(0);
     for (uint c = 0; c < kStrip; ++c) {
-      uvec2 node = uvec2(at.x, at.y * kStrip + c);
-      float value = isReached(surface, node) ? complianceOf(surface, node) - 1.0 : 0.0;
-      if (c < 4) more.low[c] = value; else more.high[c - 4] = value;
+      uvec2 node = uvec2(at.x, at.y + c);
+      more[c] = isReached(surface, node) ? complianceOf(surface, node) - 1.0 : 0.0;
     }
     writeStrip(window, kLayerCompliance, at, more);
   }
@@ -96,31 +95,24 @@ void setCompliances(Surface surface, Window window) {
 
 // Over a strip: x and y from the nodes to the places of their forces, m, and the shares that count as covered.
 struct StripCells {
-  Strip x, y, share;
+  vec4 x, y, share;
 };
 
 StripCells cellsOver(Surface surface, uvec2 at) {
-  StripCells cells = StripCells(strip(0.0), strip(0.0), strip(0.0));
+  StripCells cells = StripCells(vec4(0), vec4(0), vec4(0));
   for (uint c = 0; c < kStrip; ++c) {
-    uvec2 node = uvec2(at.x, at.y * kStrip + c);
+    uvec2 node = uvec2(at.x, at.y + c);
     NodeCell cell = noNodeCell();
     if (isReached(surface, node)) cell = cellAt(surface, node);
-    if (c < 4) {
-      cells.x.low[c] = cell.place.x;
-      cells.y.low[c] = cell.place.y;
-      cells.share.low[c] = cell.share;
-    } else {
-      cells.x.high[c - 4] = cell.place.x;
-      cells.y.high[c - 4] = cell.place.y;
-      cells.share.high[c - 4] = cell.share;
-    }
+    cells.x[c] = cell.place.x;
+    cells.y[c] = cell.place.y;
+    cells.share[c] = cell.share;
   }
   return cells;
 }
 
 // What the solver weights the residual of a node with: one over its own compliance.
-Strip weighted(Window window, uvec2 at, Strip values) {
+vec4 weighted(Window window, uvec2 at, vec4 values) {
   if (!AREA) return values;
-  Strip more = readStrip(window, kLayerCompliance, at);
-  return Strip(values.low / (1.0 + more.low), values.high / (1.0 + more.high));
+  return values / (1.0 + readStrip(window, kLayerCompliance, at));
 }

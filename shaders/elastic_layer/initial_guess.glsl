@@ -17,9 +17,9 @@ float initialShift(Window window, Drive drive) {
       vec2 sums = vec2(0);
       uint k = v;
       for (; k < window.num_strips; k += LANES) {
-        Strip target = readStrip(window, kLayerTarget, stripAt(window, k));
-        Strip pressed = whereAbove(target, -shift);
-        sums += vec2(sumOf(productOf(pressed, Strip(target.low + shift, target.high + shift))), sumOf(pressed));
+        vec4 target = readStrip(window, kLayerTarget, stripAt(window, k));
+        vec4 pressed = whereAbove(target, -shift);
+        sums += vec2(sumOf(pressed * (target + shift)), sumOf(pressed));
       }
       checkLoop(k < window.num_strips);
       partial[v] = vec4(sums, 0, 0);
@@ -31,7 +31,7 @@ float initialShift(Window window, Drive drive) {
 }
 
 // Work of the pressures `p` along the targets, without the nodes that cannot be touched.
-float workOf(Strip p, Strip target) { return dotOf(p, Strip(max(target.low, -2.0 - REACH), max(target.high, -2.0 - REACH))); }
+float workOf(vec4 p, vec4 target) { return dot(p, max(target, -2.0 - REACH)); }
 
 // Whether the pressures of the frame before fit the new targets. Clears those at nodes that cannot be touched.
 bool previousPressuresFit(Window window, float shift, Drive drive) {
@@ -40,8 +40,8 @@ bool previousPressuresFit(Window window, float shift, Drive drive) {
     uint k = v;
     for (; k < window.num_strips; k += LANES) {
       uvec2 at = stripAt(window, k);
-      Strip target = readStrip(window, kLayerTarget, at);
-      Strip p = productOf(readStrip(window, kLayerPressure, at), whereAbove(target, kNoTarget));
+      vec4 target = readStrip(window, kLayerTarget, at);
+      vec4 p = readStrip(window, kLayerPressure, at) * whereAbove(target, kNoTarget);
       writeStrip(window, kLayerPressure, at, p);
       sums += vec2(workOf(p, target), sumOf(p));
     }
@@ -61,9 +61,9 @@ vec4 displaceByPressures(Window window) {
     uint k = v;
     for (; k < window.num_strips; k += LANES) {
       uvec2 at = stripAt(window, k);
-      Strip p = readStrip(window, kLayerPressure, at), displacement = displacementAt(window, at, kLayerPressure);
+      vec4 p = readStrip(window, kLayerPressure, at), displacement = displacementAt(window, at, kLayerPressure);
       writeStrip(window, kLayerProduct, at, displacement);
-      sums += vec4(workOf(p, readStrip(window, kLayerTarget, at)), dotOf(p, displacement), sumOf(p), 0);
+      sums += vec4(workOf(p, readStrip(window, kLayerTarget, at)), dot(p, displacement), sumOf(p), 0);
     }
     checkLoop(k < window.num_strips);
     partial[v] = sums;
@@ -81,11 +81,11 @@ void initializePressures(Window window, float shift, Drive drive) {
     uint k = v;
     for (; k < window.num_strips; k += LANES) {
       uvec2 at = stripAt(window, k);
-      Strip target = readStrip(window, kLayerTarget, at);
-      Strip p = readStrip(window, kLayerPressure, at);
-      if (!warm) p = weighted(window, at, Strip(max(target.low + above, 0.0), max(target.high + above, 0.0)));
+      vec4 target = readStrip(window, kLayerTarget, at);
+      vec4 p = readStrip(window, kLayerPressure, at);
+      if (!warm) p = weighted(window, at, max(target + above, 0.0));
       writeStrip(window, kLayerPressure, at, p);
-      writeStrip(window, kLayerDirection, at, strip(0.0));
+      writeStrip(window, kLayerDirection, at, vec4(0));
       if (largestOf(p) > 0.0) addSource(at);
     }
     checkLoop(k < window.num_strips);
@@ -96,8 +96,8 @@ void initializePressures(Window window, float shift, Drive drive) {
   uint k = gl_LocalInvocationIndex;
   for (; k < window.num_strips; k += WORKGROUP) {
     uvec2 at = stripAt(window, k);
-    writeStrip(window, kLayerPressure, at, scaled(readStrip(window, kLayerPressure, at), factor));
-    writeStrip(window, kLayerResidual, at, minus(scaled(readStrip(window, kLayerProduct, at), factor), readStrip(window, kLayerTarget, at)));
+    writeStrip(window, kLayerPressure, at, readStrip(window, kLayerPressure, at) * factor);
+    writeStrip(window, kLayerResidual, at, readStrip(window, kLayerProduct, at) * factor - readStrip(window, kLayerTarget, at));
   }
   checkLoop(k < window.num_strips);
   workgroupBarrierWithBuffers();

@@ -55,7 +55,7 @@ float overlapRate(Surface surface, Window window, uvec2 node, float shift, vec3 
   return -(u.z + u.x * slopeOfDepth(surface, node, 0) + u.y * slopeOfDepth(surface, node, 1)) / THICKNESS;
 }
 
-Strip pressedOver(Window window, uvec2 at) { return whereAbove(readStrip(window, kLayerPressure, at), 0.0); }
+vec4 pressedOver(Window window, uvec2 at) { return whereAbove(readStrip(window, kLayerPressure, at), 0.0); }
 
 // Makes the nodes in contact the sources.
 void addPressedSources(Window window) {
@@ -70,22 +70,16 @@ void addPressedSources(Window window) {
 
 // Stores the rates of the cells of a strip for storedRate(). Returns the sum over the nodes of pressure times the velocity of its place.
 vec2 storeCellRates(Surface surface, Window window, uvec2 at, float shift, vec3 v, vec3 w) {
-  Strip covered = strip(0.0), x = strip(0.0), y = strip(0.0);
+  vec4 covered = vec4(0), x = vec4(0), y = vec4(0);
   vec2 moved = vec2(0);
   for (uint c = 0; c < kStrip; ++c) {
-    uvec2 node = uvec2(at.x, at.y * kStrip + c);
+    uvec2 node = uvec2(at.x, at.y + c);
     if (!isReached(surface, node)) continue;
     CellRate rate = cellRate(surface, node, (overlapAt(surface, node) + shift) * THICKNESS, v, w);
     moved += valueAt(window.layer_start, kLayerPressure, node) * cellAt(surface, node).edge * rate.place;
-    if (c < 4) {
-      covered.low[c] = rate.covered;
-      x.low[c] = rate.place.x;
-      y.low[c] = rate.place.y;
-    } else {
-      covered.high[c - 4] = rate.covered;
-      x.high[c - 4] = rate.place.x;
-      y.high[c - 4] = rate.place.y;
-    }
+    covered[c] = rate.covered;
+    x[c] = rate.place.x;
+    y[c] = rate.place.y;
   }
   writeStrip(window, kCoveredRate, at, covered);
   writeStrip(window, kPlaceRateX, at, x);
@@ -129,14 +123,12 @@ float beginRates(Surface surface, Window window, float shift, vec3 v, vec3 w) {
     uint k = part;
     for (; k < window.num_strips; k += LANES) {
       uvec2 at = stripAt(window, k);
-      Strip pressed = pressedOver(window, at), rate = strip(0.0);
+      vec4 pressed = pressedOver(window, at), rate = vec4(0);
       for (uint c = 0; c < kStrip; ++c) {
-        bool touches = (c < 4 ? pressed.low[c] : pressed.high[c - 4]) > 0.0;
-        float value = touches ? residualRate(surface, window, uvec2(at.x, at.y * kStrip + c), shift, v, w) : 0.0;
-        if (c < 4) rate.low[c] = value; else rate.high[c - 4] = value;
+        if (pressed[c] > 0.0) rate[c] = residualRate(surface, window, uvec2(at.x, at.y + c), shift, v, w);
       }
       writeStrip(window, kLayerResidual, at, rate);
-      squares += dotOf(rate, weighted(window, at, rate));
+      squares += dot(rate, weighted(window, at, rate));
     }
     checkLoop(k < window.num_strips);
     partial[part] = vec4(squares, 0, 0, 0);
@@ -145,7 +137,7 @@ float beginRates(Surface surface, Window window, float shift, vec3 v, vec3 w) {
   uint k = gl_LocalInvocationIndex;
   for (; k < window.num_strips; k += WORKGROUP) {
     uvec2 at = stripAt(window, k);
-    writeStrip(window, kLayerTarget, at, strip(0.0));
+    writeStrip(window, kLayerTarget, at, vec4(0));
     writeStrip(window, kLayerDirection, at, weighted(window, at, readStrip(window, kLayerResidual, at)));
   }
   checkLoop(k < window.num_strips);
@@ -160,9 +152,9 @@ float applyToRates(Window window) {
     uint k = part;
     for (; k < window.num_strips; k += LANES) {
       uvec2 at = stripAt(window, k);
-      Strip q = productOf(displacementAt(window, at, kLayerDirection), pressedOver(window, at));
+      vec4 q = displacementAt(window, at, kLayerDirection) * pressedOver(window, at);
       writeStrip(window, kLayerProduct, at, q);
-      curvature += dotOf(q, readStrip(window, kLayerDirection, at));
+      curvature += dot(q, readStrip(window, kLayerDirection, at));
     }
     checkLoop(k < window.num_strips);
     partial[part] = vec4(curvature, 0, 0, 0);
@@ -179,10 +171,10 @@ float stepRates(Window window, float squared_residual) {
     uint k = part;
     for (; k < window.num_strips; k += LANES) {
       uvec2 at = stripAt(window, k);
-      Strip residual = minus(readStrip(window, kLayerResidual, at), scaled(readStrip(window, kLayerProduct, at), step_length));
-      writeStrip(window, kLayerTarget, at, sumOf(readStrip(window, kLayerTarget, at), scaled(readStrip(window, kLayerDirection, at), step_length)));
+      vec4 residual = readStrip(window, kLayerResidual, at) - readStrip(window, kLayerProduct, at) * step_length;
+      writeStrip(window, kLayerTarget, at, readStrip(window, kLayerTarget, at) + readStrip(window, kLayerDirection, at) * step_length);
       writeStrip(window, kLayerResidual, at, residual);
-      squares += dotOf(residual, weighted(window, at, residual));
+      squares += dot(residual, weighted(window, at, residual));
     }
     checkLoop(k < window.num_strips);
     partial[part] = vec4(squares, 0, 0, 0);
@@ -191,8 +183,8 @@ float stepRates(Window window, float squared_residual) {
   uint k = gl_LocalInvocationIndex;
   for (; k < window.num_strips; k += WORKGROUP) {
     uvec2 at = stripAt(window, k);
-    Strip residual = weighted(window, at, readStrip(window, kLayerResidual, at));
-    Strip direction = sumOf(residual, scaled(readStrip(window, kLayerDirection, at), squares / squared_residual));
+    vec4 residual = weighted(window, at, readStrip(window, kLayerResidual, at));
+    vec4 direction = residual + readStrip(window, kLayerDirection, at) * (squares / squared_residual);
     writeStrip(window, kLayerDirection, at, direction);
   }
   checkLoop(k < window.num_strips);
@@ -208,12 +200,12 @@ void writeWrenchJacobian(uint instance, Surface surface, Window window, uint c, 
     uint k = part;
     for (; k < window.num_strips; k += LANES) {
       uvec2 at = stripAt(window, k);
-      Strip change = readStrip(window, kLayerTarget, at);
-      float x = nodePosition(uvec2(at.x, at.y * kStrip)).x;
-      sums += vec3(sumOf(change), sumOf(change) * x, dotOf(change, columnPositions(at)));
+      vec4 change = readStrip(window, kLayerTarget, at);
+      float x = nodePosition(at).x;
+      sums += vec3(sumOf(change), sumOf(change) * x, dot(change, columnPositions(at)));
       if (AREA) {
         StripCells cells = cellsOver(surface, at);
-        sums.yz += vec2(dotOf(change, cells.x), dotOf(change, cells.y));
+        sums.yz += vec2(dot(change, cells.x), dot(change, cells.y));
       }
     }
     checkLoop(k < window.num_strips);

@@ -3,12 +3,11 @@
 // `node_force`: force of a node under the pressure 1 of the solution, N. `shift`: of the solution, thicknesses.
 
 // 1 at nodes that belong to a taxel, 0 in the margin.
-Strip onTaxels(uvec2 at) {
+vec4 onTaxels(uvec2 at) {
   bool row = at.x >= MARGIN_ROWS && at.x < NODE_ROWS - MARGIN_ROWS;
-  vec4 col = float(at.y * kStrip) + vec4(0, 1, 2, 3);
+  vec4 col = float(at.y) + vec4(0, 1, 2, 3);
   vec2 range = row ? vec2(MARGIN_COLS, NODE_COLS - MARGIN_COLS) : vec2(0);
-  return Strip(vec4(greaterThanEqual(col, vec4(range.x))) * vec4(lessThan(col, vec4(range.y))),
-               vec4(greaterThanEqual(col + 4.0, vec4(range.x))) * vec4(lessThan(col + 4.0, vec4(range.y))));
+  return vec4(greaterThanEqual(col, vec4(range.x))) * vec4(lessThan(col, vec4(range.y)));
 }
 
 // Writes force (N), shear (N) and mean depth (m) of the taxels that were reached; returns their rectangle: first row, end row, first col, end col. `pressed`:
@@ -56,16 +55,16 @@ vec4 sumPressures(Surface surface, Window window, float shift) {
     uint k = v;
     for (; k < window.num_strips; k += LANES) {
       uvec2 at = stripAt(window, k);
-      Strip p = readStrip(window, kLayerPressure, at), overlap = readStrip(window, kLayerTarget, at), on_taxels = onTaxels(at);
+      vec4 p = readStrip(window, kLayerPressure, at), overlap = readStrip(window, kLayerTarget, at), on_taxels = onTaxels(at);
       if (RELAXATION > 0) overlap = overlapsOver(surface, at);
-      float sum = sumOf(p), x = nodePosition(uvec2(at.x, at.y * kStrip)).x;
-      sums += vec4(sum, sum * x, dotOf(p, columnPositions(at)), dotOf(p, on_taxels));
+      float sum = sumOf(p), x = nodePosition(at).x;
+      sums += vec4(sum, sum * x, dot(p, columnPositions(at)), dot(p, on_taxels));
       if (AREA) {
         StripCells cells = cellsOver(surface, at);
-        sums.yz += vec2(dotOf(p, cells.x), dotOf(p, cells.y));
-        on_taxels = productOf(on_taxels, whereAbove(cells.share, kLeastShareOfFull));
+        sums.yz += vec2(dot(p, cells.x), dot(p, cells.y));
+        on_taxels *= whereAbove(cells.share, kLeastShareOfFull);
       }
-      deep += dotOf(on_taxels, whereAbove(Strip(overlap.low + shift, overlap.high + shift), AREA ? kFullDepth : 0.9999999));
+      deep += dot(on_taxels, whereAbove(overlap + shift, AREA ? kFullDepth : 0.9999999));
     }
     checkLoop(k < window.num_strips);
     partial[v] = sums;

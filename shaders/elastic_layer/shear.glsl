@@ -38,7 +38,7 @@ uvec4 pressedNodes(Window window) {
   workgroupBarrierWithBuffers();
   uint row = source_rows[0], end = source_rows[1];
   uvec4 pressed = uvec4(row, end, NODE_COLS, 0);
-  for (; row < end; ++row) pressed.zw = uvec2(min(pressed.z, source_first[row] * kStrip), max(pressed.w, source_end[row] * kStrip));
+  for (; row < end; ++row) pressed.zw = uvec2(min(pressed.z, source_first[row]), max(pressed.w, source_end[row]));
   checkLoop(row < end);
   pressed.w = min(pressed.w, NODE_COLS);
   return pressed.x < pressed.y ? pressed : uvec4(0);

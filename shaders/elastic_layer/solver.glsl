@@ -32,22 +32,22 @@ void updateResidual(Window window, Drive drive, float factor, inout Solution fou
     uint k = v;
     for (; k < window.num_strips; k += LANES) {
       uvec2 at = stripAt(window, k);
-      Strip p = readStrip(window, kLayerPressure, at);
-      Strip residual = sumOf(readStrip(window, kLayerResidual, at), displacementAt(window, at, kLayerProduct));
+      vec4 p = readStrip(window, kLayerPressure, at);
+      vec4 residual = readStrip(window, kLayerResidual, at) + displacementAt(window, at, kLayerProduct);
       if (LOADS) {
-        Strip target = readStrip(window, kLayerTarget, at);
-        p = scaled(p, factor);
+        vec4 target = readStrip(window, kLayerTarget, at);
+        p *= factor;
         // Unchanged for a factor of 1: an instance that is driven by its pose must not depend on others of the batch that are driven by load.
-        if (factor != 1.0) residual = minus(scaled(sumOf(residual, target), factor), target);
+        if (factor != 1.0) residual = (residual + target) * factor - target;
         writeStrip(window, kLayerPressure, at, p);
       }
       writeStrip(window, kLayerResidual, at, residual);
-      residual = minus(residual, found.shift);
-      Strip pressed = whereAbove(p, 0.0);
-      Strip inside = productOf(residual, pressed);
-      Strip outside = Strip(min(residual.low, 0.0) * (1.0 - pressed.low), min(residual.high, 0.0) * (1.0 - pressed.high));
-      Strip step_inside = weighted(window, at, inside);
-      sums += vec4(sumOf(step_inside), dotOf(inside, step_inside), sumOf(weighted(window, at, pressed)), dotOf(outside, weighted(window, at, outside)));
+      residual -= found.shift;
+      vec4 pressed = whereAbove(p, 0.0);
+      vec4 inside = residual * pressed;
+      vec4 outside = min(residual, 0.0) * (1.0 - pressed);
+      vec4 step_inside = weighted(window, at, inside);
+      sums += vec4(sumOf(step_inside), dot(inside, step_inside), sumOf(weighted(window, at, pressed)), dot(outside, weighted(window, at, outside)));
     }
     checkLoop(k < window.num_strips);
     partial[v] = sums;
@@ -68,12 +68,12 @@ void updateDirection(Window window, float shift, float beta) {
     uint k = v;
     for (; k < window.num_strips; k += LANES) {
       uvec2 at = stripAt(window, k);
-      Strip pressed = whereAbove(readStrip(window, kLayerPressure, at), 0.0);
+      vec4 pressed = whereAbove(readStrip(window, kLayerPressure, at), 0.0);
       if (sumOf(pressed) > 0.0) addSource(at);
-      Strip residual = productOf(pressed, minus(readStrip(window, kLayerResidual, at), shift));
-      Strip t = sumOf(weighted(window, at, residual), productOf(pressed, scaled(readStrip(window, kLayerDirection, at), beta)));
+      vec4 residual = pressed * (readStrip(window, kLayerResidual, at) - shift);
+      vec4 t = weighted(window, at, residual) + pressed * readStrip(window, kLayerDirection, at) * beta;
       writeStrip(window, kLayerDirection, at, t);
-      descent += dotOf(residual, t);
+      descent += dot(residual, t);
     }
     checkLoop(k < window.num_strips);
     partial[v] = vec4(descent, 0, 0, 0);
@@ -87,12 +87,12 @@ float applyToDirection(Window window, Drive drive, float num_pressed) {
     uint k = v;
     for (; k < window.num_strips; k += LANES) {
       uvec2 at = stripAt(window, k);
-      Strip q = displacementAt(window, at, kLayerDirection);
+      vec4 q = displacementAt(window, at, kLayerDirection);
       writeStrip(window, kLayerProduct, at, q);
-      Strip t = readStrip(window, kLayerDirection, at);
-      sums.y += dotOf(q, t);
+      vec4 t = readStrip(window, kLayerDirection, at);
+      sums.y += dot(q, t);
       if (LOADS && drive.by_load) {
-        sums.z += sumOf(weighted(window, at, productOf(q, whereAbove(readStrip(window, kLayerPressure, at), 0.0))));
+        sums.z += sumOf(weighted(window, at, q * whereAbove(readStrip(window, kLayerPressure, at), 0.0)));
         sums.w += sumOf(t);
       }
     }
@@ -115,16 +115,15 @@ vec2 takeStep(Window window, float shift, float step_length) {
     uint k = v;
     for (; k < window.num_strips; k += LANES) {
       uvec2 at = stripAt(window, k);
-      Strip unshifted = readStrip(window, kLayerResidual, at), residual = minus(unshifted, shift);
-      Strip plain = minus(readStrip(window, kLayerPressure, at), scaled(readStrip(window, kLayerDirection, at), step_length));
-      Strip entering = Strip((1.0 - vec4(greaterThan(plain.low, vec4(0)))) * max(-residual.low, 0.0),
-                             (1.0 - vec4(greaterThan(plain.high, vec4(0)))) * max(-residual.high, 0.0));
+      vec4 unshifted = readStrip(window, kLayerResidual, at), residual = unshifted - shift;
+      vec4 plain = readStrip(window, kLayerPressure, at) - readStrip(window, kLayerDirection, at) * step_length;
+      vec4 entering = (1.0 - whereAbove(plain, 0.0)) * max(-residual, 0.0);
       entering = weighted(window, at, entering);
-      Strip p = Strip(max(plain.low, 0.0) + press * entering.low, max(plain.high, 0.0) + press * entering.high);
-      Strip change = minus(p, plain);
+      vec4 p = max(plain, 0.0) + press * entering;
+      vec4 change = p - plain;
       if (largestOf(change) > 0.0) addSource(at);
       writeStrip(window, kLayerPressure, at, p);
-      writeStrip(window, kLayerResidual, at, minus(unshifted, scaled(readStrip(window, kLayerProduct, at), step_length)));
+      writeStrip(window, kLayerResidual, at, unshifted - readStrip(window, kLayerProduct, at) * step_length);
       writeStrip(window, kLayerProduct, at, change);
       sums += vec2(sumOf(p), sumOf(entering));
     }

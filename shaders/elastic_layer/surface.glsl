@@ -16,9 +16,8 @@ float nodeArea() { return nodeSpacing().x * nodeSpacing().y; }
 vec2 nodePosition(uvec2 node) { return (vec2(node) - 0.5 * vec2(NODE_ROWS - 1u, NODE_COLS - 1u)) * nodeSpacing(); }
 
 // y coordinates of the nodes of a strip, m.
-Strip columnPositions(uvec2 at) {
-  float spacing = nodeSpacing().y, first = nodePosition(uvec2(at.x, at.y * kStrip)).y;
-  return Strip(first + vec4(0, 1, 2, 3) * spacing, first + vec4(4, 5, 6, 7) * spacing);
+vec4 columnPositions(uvec2 at) {
+  return nodePosition(at).y + vec4(0, 1, 2, 3) * nodeSpacing().y;
 }
 
 bool isReached(Surface surface, uvec2 node) { return isInside(node, surface.reached); }
@@ -33,14 +32,12 @@ float heightAt(Surface surface, uvec2 node) {
 }
 
 // Heights over a strip; kMiss outside the nodes that were reached.
-Strip heightsOver(Surface surface, uvec2 at) {
-  Strip h = strip(kMiss);
+vec4 heightsOver(Surface surface, uvec2 at) {
+  vec4 h = vec4(kMiss);
   if (at.x < surface.reached.x || at.x >= surface.reached.y) return h;
   for (uint c = 0; c < kStrip; ++c) {
-    uint col = at.y * kStrip + c;
-    float height = kMiss;
-    if (col >= surface.reached.z && col < surface.reached.w) height = heightAt(surface, uvec2(at.x, col));
-    if (c < 4) h.low[c] = height; else h.high[c - 4] = height;
+    uint col = at.y + c;
+    if (col >= surface.reached.z && col < surface.reached.w) h[c] = heightAt(surface, uvec2(at.x, col));
   }
   return h;
 }
@@ -61,7 +58,7 @@ float lowestHeight(Surface surface, Window window) {
   for (uint v = gl_LocalInvocationIndex; v < window.num_parts; v += WORKGROUP) {
     float highest = -kMiss;
     uint k = v;
-    for (; k < window.num_strips; k += LANES) highest = max(highest, largestOf(scaled(heightsOver(surface, stripAt(window, k)), -1.0)));
+    for (; k < window.num_strips; k += LANES) highest = max(highest, largestOf(-heightsOver(surface, stripAt(window, k))));
     checkLoop(k < window.num_strips);
     partial[v] = vec4(highest);
   }
@@ -73,9 +70,8 @@ float lowestHeight(Surface surface, Window window) {
 // At most 1: the skin is not pressed deeper than its thickness.
 vec4 overlapOf(Surface surface, vec4 height) { return min((surface.origin - height) / THICKNESS, 1.0); }
 
-Strip overlapsOver(Surface surface, uvec2 at) {
-  Strip h = heightsOver(surface, at);
-  return Strip(overlapOf(surface, h.low), overlapOf(surface, h.high));
+vec4 overlapsOver(Surface surface, uvec2 at) {
+  return overlapOf(surface, heightsOver(surface, at));
 }
 
 float overlapAt(Surface surface, uvec2 node) { return overlapOf(surface, vec4(heightAt(surface, node))).x; }

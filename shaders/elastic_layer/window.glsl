@@ -1,8 +1,8 @@
 // The strips that the solver visits: the window (strips that may be in contact) and the sources (strips over which an array is not zero), with the reductions
 // over the window.
 //
-// The window has the same number of strips in each of its rows, but its own first strip per row, so that a contact along a diagonal does not need the bounding
-// rectangle. Sources are one range of strips per row.
+// The window has the same number of strips in each of its rows, but its own first column per row, so that a contact along a diagonal does not need the bounding
+// rectangle. Sources are one range of columns per row.
 // Shared memory: 16 LANES + 12 NODE_ROWS + 12 bytes. A workgroup works on one instance, and all its invocations hold the same Window.
 
 #include "common/partial_sums.glsl"
@@ -17,10 +17,10 @@ struct Window {
   uint num_parts;    // partial sums over these strips
 };
 
-shared uint window_first[NODE_ROWS];                         // first strip of the window in each row
+shared uint window_first[NODE_ROWS];                         // first column of the window in each row, even
 shared uint source_first[NODE_ROWS], source_end[NODE_ROWS];  // range of sources in each row
 shared uint source_rows[2];                                  // range of rows that have sources
-shared uint widest;                                          // largest number of strips of a row
+shared uint widest;                                          // largest number of columns of a row
 
 // `rows`: first row, number of rows. The caller sets window_first[].
 void setWindow(inout Window window, uvec2 rows, uint width) {
@@ -32,17 +32,21 @@ void setWindow(inout Window window, uvec2 rows, uint width) {
 
 uvec2 stripAt(Window window, uint k) {
   uint row = window.rows.x + k / window.width;
-  return uvec2(row, window_first[row] + k % window.width);
+  return uvec2(row, window_first[row] + k % window.width * kStrip);
 }
 
-Strip readStrip(Window window, uint array, uvec2 at) { return readStrip(window.layer_start, array, at); }
-void writeStrip(Window window, uint array, uvec2 at, Strip values) { writeStrip(window.layer_start, array, at, values); }
+bool isInWindow(Window window, uvec2 node) {
+  return node.x - window.rows.x < window.rows.y && node.y - window_first[node.x] < window.width * kStrip;  // wraps before the first
+}
+
+vec4 readStrip(Window window, uint array, uvec2 at) { return readStrip(window.layer_start, array, at); }
+void writeStrip(Window window, uint array, uvec2 at, vec4 values) { writeStrip(window.layer_start, array, at, values); }
 
 // ---- sources ----
 
 void clearSources() {
   for (uint row = gl_LocalInvocationIndex; row < NODE_ROWS; row += WORKGROUP) {
-    source_first[row] = kRowStrips;
+    source_first[row] = kRowNodes;
     source_end[row] = 0;
   }
   if (gl_LocalInvocationIndex == 0) {
@@ -53,12 +57,15 @@ void clearSources() {
   workgroupBarrierWithBuffers();
 }
 
-void addSource(uvec2 at) {
-  atomicMin(source_first[at.x], at.y);
-  atomicMax(source_end[at.x], at.y + 1u);
-  atomicMin(source_rows[0], at.x);
-  atomicMax(source_rows[1], at.x + 1u);
+// Adds the columns from `first` on.
+void addSources(uint row, uint first, uint end) {
+  atomicMin(source_first[row], first);
+  atomicMax(source_end[row], end);
+  atomicMin(source_rows[0], row);
+  atomicMax(source_rows[1], row + 1u);
 }
+
+void addSource(uvec2 at) { addSources(at.x, at.y, at.y + kStrip); }
 
 // ---- reductions ----
 

@@ -1,4 +1,4 @@
-// Arrays of the elastic layer's solver over its nodes: rows of strips of kStrip nodes, the last strip of a row padded. An instance has one
+// Arrays of the elastic layer's solver over its nodes: rows of nodes, padded to strips of kStrip. An instance has one
 // array of each kind.
 #ifndef TAXELSIM_SHADERS_SHARED_ELASTIC_LAYER_H
 #define TAXELSIM_SHADERS_SHARED_ELASTIC_LAYER_H
@@ -7,7 +7,7 @@
 
 TAXELSIM_LAYOUT_BEGIN
 
-TAXELSIM_CONSTANT kStrip = 8u;
+TAXELSIM_CONSTANT kStrip = 4u;
 TAXELSIM_CONSTANT kLayerPressure = 0u;   // p as the displacement of its own cell, in thicknesses; kept from frame to frame
 TAXELSIM_CONSTANT kLayerTarget = 1u;     // prescribed displacement, in thicknesses
 TAXELSIM_CONSTANT kLayerResidual = 2u;   // residual: A p - target, in thicknesses
