@@ -31,8 +31,9 @@ void setWindow(inout Window window, uvec2 rows, uint width) {
 }
 
 uvec2 stripAt(Window window, uint k) {
-  uint row = window.rows.x + k / window.width;
-  return uvec2(row, window_first[row] + k % window.width * kStrip);
+  uvec2 at = cellNumbered(k, window.width);
+  uint row = window.rows.x + at.x;
+  return uvec2(row, window_first[row] + at.y * kStrip);
 }
 
 bool isInWindow(Window window, uvec2 node) {
