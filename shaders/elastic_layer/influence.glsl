@@ -17,22 +17,26 @@ vec4 before3(vec4 a, vec4 b) { return vec4(a.yzw, b.x); }
 vec4 displacementAt(Window window, uvec2 at, uint array) {
   vec4 w = vec4(0);
   uint row = source_rows[0], end_row = source_rows[1];
-  for (; row < end_row; ++row) {
-    uint distance = at.x > row ? at.x - row : row - at.x;
-    uint col = source_first[row], end = source_end[row];
-    uint entry = distance * kRowNodes + (kRowNodes + at.y - col) / 2;
-    uint source = pairAddress(window.layer_start, array, uvec2(row, col));
-    vec4 next = floatsOfFour(Influence, entry);
-    for (; col < end; col += kStrip) {
-      entry -= kStrip / 2;
-      vec4 past = floatsOfFour(Influence, entry), x = stripFrom(source);
-      source += kStrip / 2;
-      w += x.x * next + x.y * before1(past, next) + x.z * before2(past, next) + x.w * before3(past, next);
-      next = past;
-    }
-    checkLoop(col < end);
+  if (row < end_row) {
+    do {
+      uint distance = at.x > row ? at.x - row : row - at.x;
+      uint col = source_first[row], end = source_end[row];
+      uint entry = distance * kRowNodes + (kRowNodes + at.y - col) / 2;
+      uint source = pairAddress(window.layer_start, array, uvec2(row, col));
+      vec4 next = floatsOfFour(Influence, entry);
+      if (col < end) {
+        do {
+          entry -= kStrip / 2;
+          vec4 past = floatsOfFour(Influence, entry), x = stripFrom(source);
+          source += kStrip / 2;
+          w += x.x * next + x.y * before1(past, next) + x.z * before2(past, next) + x.w * before3(past, next);
+          next = past;
+          col += kStrip;
+        } while (col < end);
+      }
+      ++row;
+    } while (row < end_row);
   }
-  checkLoop(row < end_row);
   if (AREA && at.y < source_end[at.x] && at.y + kStrip > source_first[at.x]) {
     w += readStrip(window, kLayerCompliance, at) * readStrip(window, array, at);
   }

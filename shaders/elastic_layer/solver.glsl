@@ -30,7 +30,8 @@ void updateResidual(Window window, Drive drive, float factor, inout Solution fou
   for (uint v = gl_LocalInvocationIndex; v < window.num_parts; v += WORKGROUP) {
     vec4 sums = vec4(0);  // over the nodes in contact: r, its square, their number; squares of penetrations elsewhere
     uint k = v;
-    for (; k < window.num_strips; k += LANES) {
+    if (k < window.num_strips) {
+    do {
       uvec2 at = stripAt(window, k);
       vec4 p = readStrip(window, kLayerPressure, at);
       vec4 residual = readStrip(window, kLayerResidual, at) + displacementAt(window, at, kLayerProduct);
@@ -48,6 +49,8 @@ void updateResidual(Window window, Drive drive, float factor, inout Solution fou
       vec4 outside = min(residual, 0.0) * (1.0 - pressed);
       vec4 step_inside = weighted(window, at, inside);
       sums += vec4(sumOf(step_inside), dot(inside, step_inside), sumOf(weighted(window, at, pressed)), dot(outside, weighted(window, at, outside)));
+      k += LANES;
+    } while (k < window.num_strips);
     }
     checkLoop(k < window.num_strips);
     partial[v] = sums;
@@ -66,7 +69,8 @@ void updateDirection(Window window, float shift, float beta) {
   for (uint v = gl_LocalInvocationIndex; v < window.num_parts; v += WORKGROUP) {
     float descent = 0.0;
     uint k = v;
-    for (; k < window.num_strips; k += LANES) {
+    if (k < window.num_strips) {
+    do {
       uvec2 at = stripAt(window, k);
       vec4 pressed = whereAbove(readStrip(window, kLayerPressure, at), 0.0);
       if (sumOf(pressed) > 0.0) addSource(at);
@@ -74,6 +78,8 @@ void updateDirection(Window window, float shift, float beta) {
       vec4 t = weighted(window, at, residual) + pressed * readStrip(window, kLayerDirection, at) * beta;
       writeStrip(window, kLayerDirection, at, t);
       descent += dot(residual, t);
+      k += LANES;
+    } while (k < window.num_strips);
     }
     checkLoop(k < window.num_strips);
     partial[v] = vec4(descent, 0, 0, 0);
@@ -85,7 +91,8 @@ float applyToDirection(Window window, Drive drive, float num_pressed) {
   for (uint v = gl_LocalInvocationIndex; v < window.num_parts; v += WORKGROUP) {
     vec4 sums = vec4(partial[v].x, 0, 0, 0);  // r times t; then over the nodes in contact q times t, q, t
     uint k = v;
-    for (; k < window.num_strips; k += LANES) {
+    if (k < window.num_strips) {
+    do {
       uvec2 at = stripAt(window, k);
       vec4 q = displacementAt(window, at, kLayerDirection);
       writeStrip(window, kLayerProduct, at, q);
@@ -95,6 +102,8 @@ float applyToDirection(Window window, Drive drive, float num_pressed) {
         sums.z += sumOf(weighted(window, at, q * whereAbove(readStrip(window, kLayerPressure, at), 0.0)));
         sums.w += sumOf(t);
       }
+      k += LANES;
+    } while (k < window.num_strips);
     }
     checkLoop(k < window.num_strips);
     partial[v] = sums;
@@ -113,7 +122,8 @@ vec2 takeStep(Window window, float shift, float step_length) {
   for (uint v = gl_LocalInvocationIndex; v < window.num_parts; v += WORKGROUP) {
     vec2 sums = vec2(0);
     uint k = v;
-    for (; k < window.num_strips; k += LANES) {
+    if (k < window.num_strips) {
+    do {
       uvec2 at = stripAt(window, k);
       vec4 unshifted = readStrip(window, kLayerResidual, at), residual = unshifted - shift;
       vec4 plain = readStrip(window, kLayerPressure, at) - readStrip(window, kLayerDirection, at) * step_length;
@@ -126,6 +136,8 @@ vec2 takeStep(Window window, float shift, float step_length) {
       writeStrip(window, kLayerResidual, at, unshifted - readStrip(window, kLayerProduct, at) * step_length);
       writeStrip(window, kLayerProduct, at, change);
       sums += vec2(sumOf(p), sumOf(entering));
+      k += LANES;
+    } while (k < window.num_strips);
     }
     checkLoop(k < window.num_strips);
     partial[v] = vec4(sums, 0, 0);
