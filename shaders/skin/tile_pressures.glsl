@@ -153,6 +153,7 @@ const bool kUnrollsRows = (uint(kHasStates) | uint(OUTPUT_JACOBIAN)) != 0u;
 const uint kSamplesAtOnce = kUnrollsRows ? 4u : 1u;  // of a row
 // The code of four samples exceeds a processor's cache for instructions.
 const uint kUnrolledSamples = kUnrollsRows ? 2u : 1u;
+const uint kUnrolledRows = kUnrollsRows ? 1u : 4u;
 
 // Words of the samples of a taxel's row and of the rows before and after it, as in the tile; kEmpty where there is no sample or no surface.
 struct RowWords {
@@ -257,7 +258,11 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
   vec2 first_sample = vec2(base + tile.first_taxel * SAMPLES);
   RowWords rows = RowWords(uvec4(kEmpty), uvec4(kEmpty), uvec4(kEmpty));
   if (keepsRows()) rows.after = wordsOfRow(tile, step, base, first_sample, 0, found);
-  for (uint a = 0; a < SAMPLES; ++a) {
+  uint first_row = 0;
+  do {
+    [[unroll]] for (uint n = 0; n < kUnrolledRows; ++n) {
+    uint a = first_row + n;
+    if (kUnrolledRows > 1u && a >= SAMPLES) break;
     float x = samplePosition(tile, first_sample + vec2(a, 0)).x;
     if (!usesTile() && !keepsRows() && kOnlyPolyhedra) startRow(x);
     rows.before = rows.here;
@@ -314,7 +319,9 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
       if (HAS_STATE) state[states_at + kDepthState] = depths;
     }
     if (OUTPUT_JACOBIAN) addRow(cell, row, a, rim, x);
-  }
+    }
+    first_row += kUnrolledRows;
+  } while (first_row < SAMPLES);
   if (OUTPUT_WRENCH_CHANGE) addToChange(tile, change, cell, rim, first_sample);
   return TaxelSums(depth_sum, force, moment, shear, shear_moment, deep, slope);
 }
@@ -348,14 +355,14 @@ void pressTaxels(Tile tile, TileStep step, ActiveTaxels taxels, inout Found foun
     vec3 change[6] = vec3[6](vec3(0), vec3(0), vec3(0), vec3(0), vec3(0), vec3(0));
     uint touched = kSkipsTaxels ? touchedTaxels(tile, step.state, v, taxels.first, taxels.count, step.first_taxel, step.part) : 0;
     uint k = kSkipsTaxels ? nextTouched(touched, v) : v;
-    while (k < num_active) {
+    if (k < num_active) do {
       uvec2 in_tile = taxels.first + cellNumbered(k, taxels.count.y);
       Cell cell = noCell();
       TaxelSums sums = pressTaxel(tile, step, in_tile, found, cell, change);
       deep += sums.deep;
       writeTaxel(tile, step.instance, in_tile + tile.first_taxel, sums, cell, wrench, lane_shear);
       k = kSkipsTaxels ? nextTouched(touched, v) : k + LANES;
-    }
+    } while (k < num_active);
     checkLoop(k < num_active);
     partial[v] = wrench;
     if (kShears) partial_shear[v] = lane_shear;
