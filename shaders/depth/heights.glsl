@@ -86,7 +86,8 @@ Reach objectsNear(Tile tile, uint instance, uint num_slots) {
   reach.samples = noSamples();
   reach.lowest_bound = kMiss;
   reach.id = -1;
-  for (uint slot = 0; slot < num_slots; ++slot) {
+  uint slot = 0;
+  do {
     reach.body = nearBodyInSlot(tile, instance * num_slots + slot, reach.id);
     if (!reach.body.near) continue;
     grow(reach.samples, samplesUnder(tile, reach.body));
@@ -95,7 +96,7 @@ Reach objectsNear(Tile tile, uint instance, uint num_slots) {
       lowest = lowestCorner(tile, reach.body);
     }
     reach.lowest_bound = min(reach.lowest_bound, lowest);
-  }
+  } while (MANY_SLOTS && ++slot < num_slots);
   return reach;
 }
 
@@ -145,10 +146,11 @@ Box rasterHeights(Tile tile, uint instance, uint num_slots, inout Reach reach, i
     if (isKind(reach.body.kind_groups.x, kKindPolyhedron)) loadFaces(reach.body.kind_groups.y, reach.body.X_PO);
     return reach.samples;
   }
-  for (uint k = 0; k < num_slots; ++k) {
+  uint k = 0;
+  do {
     uint index = instance * num_slots + k;
     if (MANY_SLOTS) reach.body = nearBodyInSlot(tile, index, reach.id);
     if (reach.body.near) rasterBody(tile, instance, kKeepsSlots ? slotNumber(index) : 0u, reach.body, reach.id, found);
-  }
+  } while (MANY_SLOTS && ++k < num_slots);
   return boxAround(found.samples);
 }
