@@ -349,7 +349,8 @@ void writeTaxel(Tile tile, uint instance, uvec2 in_patch, TaxelSums sums, Cell c
 void pressTaxels(Tile tile, TileStep step, ActiveTaxels taxels, inout Found found) {
   uint num_active = taxels.count.x * taxels.count.y;
   uint deep = found.full_cells;
-  for (uint v = gl_LocalInvocationIndex; v < LANES; v += WORKGROUP) {
+  uint v = gl_LocalInvocationIndex;
+  if (v < LANES) do {
     vec4 wrench = vec4(0);
     vec2 lane_shear = vec2(0);
     vec3 change[6] = vec3[6](vec3(0), vec3(0), vec3(0), vec3(0), vec3(0), vec3(0));
@@ -367,7 +368,8 @@ void pressTaxels(Tile tile, TileStep step, ActiveTaxels taxels, inout Found foun
     partial[v] = wrench;
     if (kShears) partial_shear[v] = lane_shear;
     if (OUTPUT_WRENCH_CHANGE) writeChange(tile, step.result * LANES + v, change);
-  }
+    v += WORKGROUP;
+  } while (WORKGROUP < LANES && v < LANES);
   if (deep > 0) atomicAdd(num_deep, deep);
   if (NUM_ROWS == 0 && found.below_floor && tile.X_PS.row2.z > kLooksUp) atomicOr(any_behind, 1u);
 }
