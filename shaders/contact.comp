@@ -122,12 +122,12 @@ void main() {
     workgroupBarrier();
   }
   uint k = 0;
-  for (; k < count && !leavesNextTile(); ++k) {
+  if (count > 0) do {
     uint number = listsTiles() ? tile_list[k] : tileNumbered(places.x + k);
     uint instance = number / NUM_TILES;
     computeTile(instance, number - instance * NUM_TILES, step_record.batch.y);
     workgroupBarrier();
-  }
+  } while (++k < count && !leavesNextTile());
   checkLoop(k < count && !leavesNextTile());
   if (kLeavesTiles && gl_LocalInvocationIndex == 0) {
     for (; k < count; ++k) leaveTile(listsTiles() ? tile_list[k] : tileNumbered(places.x + k));

@@ -43,10 +43,14 @@ const uint kContactMargin = MARGIN, kSpreadRadius = KERNEL / 2;
 ImageSums readImage(Instance instance, Kernel kernel, Lag lag, uint lane, uint num_parts, uvec2 seed) {
   ImageSums total = noSums();
   uint first_partial = gl_LocalInvocationIndex / TEAM * kNumSums * LANES;
-  for (uint v = lane * kRowsAtOnce; v < num_parts; v += TEAM * kRowsAtOnce) {
+  uint v = lane * kRowsAtOnce;
+  if (v < num_parts) do {
     ImageSums part = noSums(), next_part = noSums();
     uint i = v;
-    for (; i < instance.window.count.x; i += LANES) readRows(instance, kernel, lag, i, seed, part, next_part);
+    do {
+      readRows(instance, kernel, lag, i, seed, part, next_part);
+      i += LANES;
+    } while (i < instance.window.count.x);
     checkLoop(i < instance.window.count.x);
     if (TEAM == 1) {
       addSums(total, part);
@@ -54,7 +58,8 @@ ImageSums readImage(Instance instance, Kernel kernel, Lag lag, uint lane, uint n
     } else {
       storePartial(first_partial, v, part);
     }
-  }
+    v += TEAM * kRowsAtOnce;
+  } while (v < num_parts);
   if (TEAM > 1) {
     barrier();
     for (uint v = 0; v < num_parts; ++v) addPartial(first_partial, v, total);
@@ -87,7 +92,10 @@ void main() {
   const uint kTeams = WORKGROUP / TEAM;
   uint number = workgroupNumber() * REPEAT * kTeams + gl_LocalInvocationIndex / TEAM;
   uint r = 0;
-  for (; r < REPEAT; ++r, number += kTeams) processInstance(min(number, batch.x - 1), number < batch.x, batch.x, kernel, lag, batch.zw);
+  do {
+    processInstance(min(number, batch.x - 1), number < batch.x, batch.x, kernel, lag, batch.zw);
+    number += kTeams;
+  } while (++r < REPEAT);
   checkLoop(r < REPEAT);
   reportUnfinishedLoops();
 }
