@@ -99,14 +99,16 @@ void computePart(uint instance, uint which, bool is_valid, uint num_instances) {
     moments.second = vec3(core.s[kAfterWindow + 3], core.s[kAfterWindow + 4], core.s[kAfterWindow + 5]);
     if (moments.force > 0.0) second = centralMoments(moments.force, moments.first.xy, moments.second);
     Ridge ridge = ridgeOf(part, second, center, moments.peak, noise);
-    for (uint n = 0; n < kRidgeIterations; ++n) {
+    uint n = 0;
+    do {
       sums = sumPart(kSumsWindow | kSumsRidge, part, window.middle, 0.0, ridge);
       moveWindow(sums, moments.force, window);
       solveRidge(sums, ridge);
-    }
-    for (uint n = 1 + kRidgeIterations; n < kWindowIterations; ++n) {
+    } while (++n < kRidgeIterations);
+    n += 1;  // the window has moved once before
+    do {
       moveWindow(sumPart(kSumsWindow, part, window.middle, 0.0), moments.force, window);
-    }
+    } while (++n < kWindowIterations);
     windowed = axesOf(window);
     ridge_axes = axesOf(ridge, moments.peak);
   }
@@ -133,7 +135,10 @@ void main() {
   uint number = workgroupNumber(), which = number % kParts;
   uint instance = number / kParts * REPEAT * kTeams + gl_LocalInvocationIndex / TEAM;
   uint r = 0;
-  for (; r < REPEAT; ++r, instance += kTeams) computePart(min(instance, num_instances - 1), which, instance < num_instances, num_instances);
+  do {
+    computePart(min(instance, num_instances - 1), which, instance < num_instances, num_instances);
+    instance += kTeams;
+  } while (++r < REPEAT);
   checkLoop(r < REPEAT);
   reportUnfinishedLoops();
 }

@@ -106,17 +106,22 @@ PartSums sumPart(uint kinds, Part part, vec3 middle, float force, Ridge ridge) {
   uint lane = gl_LocalInvocationIndex % TEAM;
   uint first_partial = gl_LocalInvocationIndex / TEAM * kMostSums * LANES;
   PartSums total = noSums();
-  for (uint v = lane; v < LANES; v += TEAM) {
+  uint v = lane;
+  do {
     PartSums sums = noSums();
     uint four = part.first / 4u + v;
-    for (; 4u * four < part.end; four += LANES) addFour(kinds, part, four, middle, force, ridge, sums);
+    if (4u * four < part.end) do {
+      addFour(kinds, part, four, middle, force, ridge, sums);
+      four += LANES;
+    } while (4u * four < part.end);
     checkLoop(4u * four < part.end);
     if (TEAM == 1) {
       addSums(kinds, total, sums);
     } else {
       for (uint k = 0; k < numSums(kinds); ++k) partial[first_partial + k * LANES + v] = sums.s[k];
     }
-  }
+    v += TEAM;
+  } while (v < LANES);
   if (TEAM > 1) {
     barrier();
     for (uint v = 0; v < LANES; ++v) {

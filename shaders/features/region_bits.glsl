@@ -15,9 +15,9 @@ float writeForcesByBits(Instance instance, out bool is_stray) {
   is_stray = false;
   float peak = 0.0;
   uint row = 0, t = 0;
-  for (; row < kBitRows && instance.end > 0; ++row) {
-    uint reports = 0, below = 0;
-    [[dont_unroll]] for (uint col = 0; col < NUM_COLS; ++col, ++t) {
+  if (instance.end > 0) do {
+    uint reports = 0, below = 0, col = 0;
+    [[dont_unroll]] do {
       Measured measured = measuredAt(instance, t);
       forces[instance.first_word + t] = measured.force;
       taxel_regions[instance.first_word + t] = measured.reports ? t : kNoRegion;
@@ -25,10 +25,11 @@ float writeForcesByBits(Instance instance, out bool is_stray) {
       is_stray = is_stray || !measured.reports && measured.force != 0.0;
       reports |= (measured.reports ? 1u : 0u) << col;
       below |= (measured.saturated ? 0u : 1u) << col;
-    }
+      ++t;
+    } while (++col < NUM_COLS);
     reporting[row] = reports;
     core[row] = below;
-  }
+  } while (++row < kBitRows);
   checkLoop(row < kBitRows && instance.end > 0);
   return peak;
 }
