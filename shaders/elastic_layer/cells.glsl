@@ -80,7 +80,7 @@ float complianceOf(Surface surface, uvec2 node) {
 void setCompliances(Surface surface, Window window) {
   if (!AREA) return;
   uint k = gl_LocalInvocationIndex;
-  for (; k < window.num_strips; k += WORKGROUP) {
+  if (k < window.num_strips) do {
     uvec2 at = stripAt(window, k);
     vec4 more = vec4(0);
     for (uint c = 0; c < kStrip; ++c) {
@@ -88,7 +88,8 @@ void setCompliances(Surface surface, Window window) {
       more[c] = isReached(surface, node) ? complianceOf(surface, node) - 1.0 : 0.0;
     }
     writeStrip(window, kLayerCompliance, at, more);
-  }
+    k += WORKGROUP;
+  } while (k < window.num_strips);
   checkLoop(k < window.num_strips);
   workgroupBarrierWithBuffers();
 }

@@ -13,17 +13,20 @@ float initialShift(Window window, Drive drive) {
   const uint kNewtonIterations = 6;
   float shift = 1.0;
   for (uint iteration = 0; iteration < kNewtonIterations; ++iteration) {
-    for (uint v = gl_LocalInvocationIndex; v < window.num_parts; v += WORKGROUP) {
+    uint v = gl_LocalInvocationIndex;
+    if (v < window.num_parts) do {
       vec2 sums = vec2(0);
       uint k = v;
-      for (; k < window.num_strips; k += LANES) {
+      do {
         vec4 target = readStrip(window, kLayerTarget, stripAt(window, k));
         vec4 pressed = whereAbove(target, -shift);
         sums += vec2(sumOf(pressed * (target + shift)), sumOf(pressed));
-      }
+        k += LANES;
+      } while (k < window.num_strips);
       checkLoop(k < window.num_strips);
       partial[v] = vec4(sums, 0, 0);
-    }
+      v += WORKGROUP;
+    } while (WORKGROUP < LANES && v < window.num_parts);
     vec2 sums = sumOfPartials(window.num_parts).xy;
     shift = clamp(shift - (sums.x - kSoftness * drive.pressure_sum) / max(sums.y, 1.0), kLeastShift - drive.deepest, 1.0);
   }
@@ -35,19 +38,22 @@ float workOf(vec4 p, vec4 target) { return dot(p, max(target, -2.0 - REACH)); }
 
 // Whether the pressures of the frame before fit the new targets. Clears those at nodes that cannot be touched.
 bool previousPressuresFit(Window window, float shift, Drive drive) {
-  for (uint v = gl_LocalInvocationIndex; v < window.num_parts; v += WORKGROUP) {
+  uint v = gl_LocalInvocationIndex;
+  if (v < window.num_parts) do {
     vec2 sums = vec2(0);
     uint k = v;
-    for (; k < window.num_strips; k += LANES) {
+    do {
       uvec2 at = stripAt(window, k);
       vec4 target = readStrip(window, kLayerTarget, at);
       vec4 p = readStrip(window, kLayerPressure, at) * whereAbove(target, kNoTarget);
       writeStrip(window, kLayerPressure, at, p);
       sums += vec2(workOf(p, target), sumOf(p));
-    }
+      k += LANES;
+    } while (k < window.num_strips);
     checkLoop(k < window.num_strips);
     partial[v] = vec4(sums, 0, 0);
-  }
+    v += WORKGROUP;
+  } while (WORKGROUP < LANES && v < window.num_parts);
   vec2 work = sumOfPartials(window.num_parts).xy;
   const float kFitting = 0.25;  // mean overlap under the old pressures, as a share of the deepest node's
   return work.y > 0.0 && work.x + shift * work.y > kFitting * (drive.deepest + shift) * work.y;
@@ -56,18 +62,21 @@ bool previousPressuresFit(Window window, float shift, Drive drive) {
 // Computes the displacements (kLayerProduct) under the pressures; returns the sums over the window of pressure times target, pressure times displacement,
 // and pressure.
 vec4 displaceByPressures(Window window) {
-  for (uint v = gl_LocalInvocationIndex; v < window.num_parts; v += WORKGROUP) {
+  uint v = gl_LocalInvocationIndex;
+  if (v < window.num_parts) do {
     vec4 sums = vec4(0);
     uint k = v;
-    for (; k < window.num_strips; k += LANES) {
+    do {
       uvec2 at = stripAt(window, k);
       vec4 p = readStrip(window, kLayerPressure, at), displacement = displacementAt(window, at, kLayerPressure);
       writeStrip(window, kLayerProduct, at, displacement);
       sums += vec4(workOf(p, readStrip(window, kLayerTarget, at)), dot(p, displacement), sumOf(p), 0);
-    }
+      k += LANES;
+    } while (k < window.num_strips);
     checkLoop(k < window.num_strips);
     partial[v] = sums;
-  }
+    v += WORKGROUP;
+  } while (WORKGROUP < LANES && v < window.num_parts);
   return sumOfPartials(window.num_parts);
 }
 
@@ -77,9 +86,10 @@ void initializePressures(Window window, float shift, Drive drive) {
   bool warm = previousPressuresFit(window, shift, drive);
   float above = shift - (IMAGE_DEPTH == 0.0 ? kBeyondContact * (drive.deepest + shift) : 0.0);
   clearSources();
-  for (uint v = gl_LocalInvocationIndex; v < window.num_parts; v += WORKGROUP) {
+  uint v = gl_LocalInvocationIndex;
+  if (v < window.num_parts) do {
     uint k = v;
-    for (; k < window.num_strips; k += LANES) {
+    do {
       uvec2 at = stripAt(window, k);
       vec4 target = readStrip(window, kLayerTarget, at);
       vec4 p = readStrip(window, kLayerPressure, at);
@@ -87,18 +97,21 @@ void initializePressures(Window window, float shift, Drive drive) {
       writeStrip(window, kLayerPressure, at, p);
       writeStrip(window, kLayerDirection, at, vec4(0));
       if (largestOf(p) > 0.0) addSource(at);
-    }
+      k += LANES;
+    } while (k < window.num_strips);
     checkLoop(k < window.num_strips);
-  }
+    v += WORKGROUP;
+  } while (WORKGROUP < LANES && v < window.num_parts);
   workgroupBarrierWithBuffers();
   vec4 sums = displaceByPressures(window);
   float factor = LOADS && drive.by_load ? drive.pressure_sum / max(sums.z, 1e-30) : max(sums.x, 0.0) / max(sums.y, 1e-30);
   uint k = gl_LocalInvocationIndex;
-  for (; k < window.num_strips; k += WORKGROUP) {
+  if (k < window.num_strips) do {
     uvec2 at = stripAt(window, k);
     writeStrip(window, kLayerPressure, at, readStrip(window, kLayerPressure, at) * factor);
     writeStrip(window, kLayerResidual, at, readStrip(window, kLayerProduct, at) * factor - readStrip(window, kLayerTarget, at));
-  }
+    k += WORKGROUP;
+  } while (k < window.num_strips);
   checkLoop(k < window.num_strips);
   workgroupBarrierWithBuffers();
 }

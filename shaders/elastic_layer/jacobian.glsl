@@ -61,9 +61,10 @@ vec4 pressedOver(Window window, uvec2 at) { return whereAbove(readStrip(window, 
 void addPressedSources(Window window) {
   clearSources();
   uint k = gl_LocalInvocationIndex;
-  for (; k < window.num_strips; k += WORKGROUP) {
+  if (k < window.num_strips) do {
     if (sumOf(pressedOver(window, stripAt(window, k))) > 0.0) addSource(stripAt(window, k));
-  }
+    k += WORKGROUP;
+  } while (k < window.num_strips);
   checkLoop(k < window.num_strips);
   workgroupBarrierWithBuffers();
 }
@@ -89,13 +90,18 @@ vec2 storeCellRates(Surface surface, Window window, uvec2 at, float shift, vec3 
 
 // Stores the rates of all cells of the window; returns the sum of pressure times the velocity of its place.
 vec2 storeCellRates(Surface surface, Window window, float shift, vec3 v, vec3 w) {
-  for (uint part = gl_LocalInvocationIndex; part < window.num_parts; part += WORKGROUP) {
+  uint part = gl_LocalInvocationIndex;
+  if (part < window.num_parts) do {
     vec2 moved = vec2(0);
     uint k = part;
-    for (; k < window.num_strips; k += LANES) moved += storeCellRates(surface, window, stripAt(window, k), shift, v, w);
+    do {
+      moved += storeCellRates(surface, window, stripAt(window, k), shift, v, w);
+      k += LANES;
+    } while (k < window.num_strips);
     checkLoop(k < window.num_strips);
     partial[part] = vec4(moved, 0, 0);
-  }
+    part += WORKGROUP;
+  } while (WORKGROUP < LANES && part < window.num_parts);
   return sumOfPartials(window.num_parts).xy;
 }
 
@@ -118,10 +124,11 @@ float residualRate(Surface surface, Window window, uvec2 node, float shift, vec3
 
 // Starts at dp = 0: the residual is the rate of the overlap over the nodes in contact. Returns the squared residual.
 float beginRates(Surface surface, Window window, float shift, vec3 v, vec3 w) {
-  for (uint part = gl_LocalInvocationIndex; part < window.num_parts; part += WORKGROUP) {
+  uint part = gl_LocalInvocationIndex;
+  if (part < window.num_parts) do {
     float squares = 0.0;
     uint k = part;
-    for (; k < window.num_strips; k += LANES) {
+    do {
       uvec2 at = stripAt(window, k);
       vec4 pressed = pressedOver(window, at), rate = vec4(0);
       for (uint c = 0; c < kStrip; ++c) {
@@ -129,17 +136,20 @@ float beginRates(Surface surface, Window window, float shift, vec3 v, vec3 w) {
       }
       writeStrip(window, kLayerResidual, at, rate);
       squares += dot(rate, weighted(window, at, rate));
-    }
+      k += LANES;
+    } while (k < window.num_strips);
     checkLoop(k < window.num_strips);
     partial[part] = vec4(squares, 0, 0, 0);
-  }
+    part += WORKGROUP;
+  } while (WORKGROUP < LANES && part < window.num_parts);
   float squares = sumOfPartials(window.num_parts).x;
   uint k = gl_LocalInvocationIndex;
-  for (; k < window.num_strips; k += WORKGROUP) {
+  if (k < window.num_strips) do {
     uvec2 at = stripAt(window, k);
     writeStrip(window, kLayerTarget, at, vec4(0));
     writeStrip(window, kLayerDirection, at, weighted(window, at, readStrip(window, kLayerResidual, at)));
-  }
+    k += WORKGROUP;
+  } while (k < window.num_strips);
   checkLoop(k < window.num_strips);
   workgroupBarrierWithBuffers();
   return squares;
@@ -147,18 +157,21 @@ float beginRates(Surface surface, Window window, float shift, vec3 v, vec3 w) {
 
 // Applies A to the direction over the nodes in contact; returns the curvature along it.
 float applyToRates(Window window) {
-  for (uint part = gl_LocalInvocationIndex; part < window.num_parts; part += WORKGROUP) {
+  uint part = gl_LocalInvocationIndex;
+  if (part < window.num_parts) do {
     float curvature = 0.0;
     uint k = part;
-    for (; k < window.num_strips; k += LANES) {
+    do {
       uvec2 at = stripAt(window, k);
       vec4 q = displacementAt(window, at, kLayerDirection) * pressedOver(window, at);
       writeStrip(window, kLayerProduct, at, q);
       curvature += dot(q, readStrip(window, kLayerDirection, at));
-    }
+      k += LANES;
+    } while (k < window.num_strips);
     checkLoop(k < window.num_strips);
     partial[part] = vec4(curvature, 0, 0, 0);
-  }
+    part += WORKGROUP;
+  } while (WORKGROUP < LANES && part < window.num_parts);
   return sumOfPartials(window.num_parts).x;
 }
 
@@ -166,27 +179,31 @@ float applyToRates(Window window) {
 float stepRates(Window window, float squared_residual) {
   float curvature = applyToRates(window);
   float step_length = curvature > 0.0 ? squared_residual / curvature : 0.0;
-  for (uint part = gl_LocalInvocationIndex; part < window.num_parts; part += WORKGROUP) {
+  uint part = gl_LocalInvocationIndex;
+  if (part < window.num_parts) do {
     float squares = 0.0;
     uint k = part;
-    for (; k < window.num_strips; k += LANES) {
+    do {
       uvec2 at = stripAt(window, k);
       vec4 residual = readStrip(window, kLayerResidual, at) - readStrip(window, kLayerProduct, at) * step_length;
       writeStrip(window, kLayerTarget, at, readStrip(window, kLayerTarget, at) + readStrip(window, kLayerDirection, at) * step_length);
       writeStrip(window, kLayerResidual, at, residual);
       squares += dot(residual, weighted(window, at, residual));
-    }
+      k += LANES;
+    } while (k < window.num_strips);
     checkLoop(k < window.num_strips);
     partial[part] = vec4(squares, 0, 0, 0);
-  }
+    part += WORKGROUP;
+  } while (WORKGROUP < LANES && part < window.num_parts);
   float squares = sumOfPartials(window.num_parts).x;
   uint k = gl_LocalInvocationIndex;
-  for (; k < window.num_strips; k += WORKGROUP) {
+  if (k < window.num_strips) do {
     uvec2 at = stripAt(window, k);
     vec4 residual = weighted(window, at, readStrip(window, kLayerResidual, at));
     vec4 direction = residual + readStrip(window, kLayerDirection, at) * (squares / squared_residual);
     writeStrip(window, kLayerDirection, at, direction);
-  }
+    k += WORKGROUP;
+  } while (k < window.num_strips);
   checkLoop(k < window.num_strips);
   workgroupBarrierWithBuffers();
   return squares;
@@ -195,10 +212,11 @@ float stepRates(Window window, float squared_residual) {
 // Writes the wrench's derivative by coordinate `c` of the sensor's twist. `moved`: the sum of pressure times the velocity of its place, m per unit. `origin`:
 // of P in S, m.
 void writeWrenchJacobian(uint instance, Surface surface, Window window, uint c, vec2 moved, mat3 R_SP, vec3 origin, float node_force) {
-  for (uint part = gl_LocalInvocationIndex; part < window.num_parts; part += WORKGROUP) {
+  uint part = gl_LocalInvocationIndex;
+  if (part < window.num_parts) do {
     vec3 sums = vec3(0);  // changes of pressure, these times x and y of P
     uint k = part;
-    for (; k < window.num_strips; k += LANES) {
+    do {
       uvec2 at = stripAt(window, k);
       vec4 change = readStrip(window, kLayerTarget, at);
       float x = nodePosition(at).x;
@@ -207,10 +225,12 @@ void writeWrenchJacobian(uint instance, Surface surface, Window window, uint c, 
         StripCells cells = cellsOver(surface, at);
         sums.yz += vec2(dot(change, cells.x), dot(change, cells.y));
       }
-    }
+      k += LANES;
+    } while (k < window.num_strips);
     checkLoop(k < window.num_strips);
     partial[part] = vec4(sums, 0);
-  }
+    part += WORKGROUP;
+  } while (WORKGROUP < LANES && part < window.num_parts);
   vec4 sums = (sumOfPartials(window.num_parts) + vec4(0, moved, 0)) * node_force;
   if (gl_LocalInvocationIndex != 0) return;
   vec3 force = R_SP * vec3(0, 0, -sums.x), torque = R_SP * vec3(-sums.z, sums.y, 0) + cross(origin, force);

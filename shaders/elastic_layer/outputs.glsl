@@ -49,11 +49,12 @@ uvec4 writeTaxels(uint instance, Surface surface, Window window, uvec4 pressed, 
 
 // Adds to num_deep the nodes of taxels at full depth. Returns the sums over the window of pressure, pressure times x and y of P, and pressure on taxels.
 vec4 sumPressures(Surface surface, Window window, float shift) {
-  for (uint v = gl_LocalInvocationIndex; v < window.num_parts; v += WORKGROUP) {
+  uint v = gl_LocalInvocationIndex;
+  if (v < window.num_parts) do {
     vec4 sums = vec4(0);
     float deep = 0.0;
     uint k = v;
-    for (; k < window.num_strips; k += LANES) {
+    do {
       uvec2 at = stripAt(window, k);
       vec4 p = readStrip(window, kLayerPressure, at), overlap = readStrip(window, kLayerTarget, at), on_taxels = onTaxels(at);
       if (RELAXATION > 0) overlap = overlapsOver(surface, at);
@@ -65,11 +66,13 @@ vec4 sumPressures(Surface surface, Window window, float shift) {
         on_taxels *= whereAbove(cells.share, kLeastShareOfFull);
       }
       deep += dot(on_taxels, whereAbove(overlap + shift, AREA ? kFullDepth : 0.9999999));
-    }
+      k += LANES;
+    } while (k < window.num_strips);
     checkLoop(k < window.num_strips);
     partial[v] = sums;
     if (deep > 0.0) atomicAdd(num_deep, uint(deep));
-  }
+    v += WORKGROUP;
+  } while (WORKGROUP < LANES && v < window.num_parts);
   return sumOfPartials(window.num_parts);
 }
 

@@ -33,18 +33,20 @@ vec4 dentCompliance(Window window, uvec2 at) {
 float lowerTargetsByDents(SkinStep step, Window window) {
   clearSources();
   uint k = gl_LocalInvocationIndex;
-  for (; k < kNumStrips; k += WORKGROUP) {
+  if (k < kNumStrips) do {
     uvec2 at = stripNumbered(k);
     vec4 dent = dentAt(step, window.layer_start, at);
     writeStrip(window, kLayerDirection, at, dent);
     if (largestOf(dent) > 0.0) addSource(at);
-  }
+    k += WORKGROUP;
+  } while (k < kNumStrips);
   checkLoop(k < kNumStrips);
   workgroupBarrierWithBuffers();
-  for (uint v = gl_LocalInvocationIndex; v < window.num_parts; v += WORKGROUP) {
+  uint v = gl_LocalInvocationIndex;
+  if (v < window.num_parts) do {
     float deepest = kNoTarget;
     uint k = v;
-    for (; k < window.num_strips; k += LANES) {
+    do {
       uvec2 at = stripAt(window, k);
       // kNoTarget is so large that the difference rounds to it.
       vec4 target = readStrip(window, kLayerTarget, at) - displacementAt(window, at, kLayerDirection);
@@ -55,10 +57,12 @@ float lowerTargetsByDents(SkinStep step, Window window) {
       }
       writeStrip(window, kLayerTarget, at, target);
       deepest = max(deepest, largestOf(target));
-    }
+      k += LANES;
+    } while (k < window.num_strips);
     checkLoop(k < window.num_strips);
     partial[v] = vec4(deepest);
-  }
+    v += WORKGROUP;
+  } while (WORKGROUP < LANES && v < window.num_parts);
   return largestOfPartials(window.num_parts);
 }
 
@@ -76,7 +80,7 @@ void updateDentCompliance(SkinStep step, uint layer_start, uvec2 at, vec4 dent) 
 // Updates strain and overstresses of all nodes under the pressures of the solution.
 void updateSkin(SkinStep step, uint layer_start) {
   uint k = gl_LocalInvocationIndex;
-  for (; k < kNumStrips; k += WORKGROUP) {
+  if (k < kNumStrips) do {
     uvec2 at = stripNumbered(k);
     vec4 before = vec4(0);
     if (!step.is_new) before = readStrip(layer_start, kLayerStrain, at);
@@ -89,6 +93,7 @@ void updateSkin(SkinStep step, uint layer_start) {
       writeStrip(layer_start, kLayerOverstress + term, at, h);
     }
     writeStrip(layer_start, kLayerStrain, at, strain);
-  }
+    k += WORKGROUP;
+  } while (k < kNumStrips);
   checkLoop(k < kNumStrips);
 }

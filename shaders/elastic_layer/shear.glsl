@@ -30,10 +30,11 @@ vec2 tractionAt(uint instance, uvec2 node) {
 uvec4 pressedNodes(Window window) {
   clearSources();
   uint k = gl_LocalInvocationIndex;
-  for (; k < window.num_strips; k += WORKGROUP) {
+  if (k < window.num_strips) do {
     uvec2 at = stripAt(window, k);
     if (largestOf(readStrip(window, kLayerPressure, at)) > 0.0) addSource(at);
-  }
+    k += WORKGROUP;
+  } while (k < window.num_strips);
   checkLoop(k < window.num_strips);
   workgroupBarrierWithBuffers();
   uint row = source_rows[0], end = source_rows[1];

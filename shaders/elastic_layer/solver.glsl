@@ -27,10 +27,10 @@ struct Drive {
 // Updates the residual by the displacements of kLayerProduct over the sources. With a load, multiplies pressures and displacements by `factor` and updates the
 // shift. Updates all of `found`.
 void updateResidual(Window window, Drive drive, float factor, inout Solution found) {
-  for (uint v = gl_LocalInvocationIndex; v < window.num_parts; v += WORKGROUP) {
+  uint v = gl_LocalInvocationIndex;
+  if (v < window.num_parts) do {
     vec4 sums = vec4(0);  // over the nodes in contact: r, its square, their number; squares of penetrations elsewhere
     uint k = v;
-    if (k < window.num_strips) {
     do {
       uvec2 at = stripAt(window, k);
       vec4 p = readStrip(window, kLayerPressure, at);
@@ -51,10 +51,10 @@ void updateResidual(Window window, Drive drive, float factor, inout Solution fou
       sums += vec4(sumOf(step_inside), dot(inside, step_inside), sumOf(weighted(window, at, pressed)), dot(outside, weighted(window, at, outside)));
       k += LANES;
     } while (k < window.num_strips);
-    }
     checkLoop(k < window.num_strips);
     partial[v] = sums;
-  }
+    v += WORKGROUP;
+  } while (WORKGROUP < LANES && v < window.num_parts);
   vec4 sums = sumOfPartials(window.num_parts);
   float number = max(sums.z, 1.0);
   float mean = LOADS && drive.by_load ? sums.x / number : 0.0;
@@ -66,10 +66,10 @@ void updateResidual(Window window, Drive drive, float factor, inout Solution fou
 
 // Search direction t = r + beta t over the nodes in contact, which become the sources. Leaves the sum of r times t in partial[].x.
 void updateDirection(Window window, float shift, float beta) {
-  for (uint v = gl_LocalInvocationIndex; v < window.num_parts; v += WORKGROUP) {
+  uint v = gl_LocalInvocationIndex;
+  if (v < window.num_parts) do {
     float descent = 0.0;
     uint k = v;
-    if (k < window.num_strips) {
     do {
       uvec2 at = stripAt(window, k);
       vec4 pressed = whereAbove(readStrip(window, kLayerPressure, at), 0.0);
@@ -80,18 +80,18 @@ void updateDirection(Window window, float shift, float beta) {
       descent += dot(residual, t);
       k += LANES;
     } while (k < window.num_strips);
-    }
     checkLoop(k < window.num_strips);
     partial[v] = vec4(descent, 0, 0, 0);
-  }
+    v += WORKGROUP;
+  } while (WORKGROUP < LANES && v < window.num_parts);
 }
 
 // Applies A to the direction: q = A t over the window. Returns the step length (r t) / (t q), from the sums that updateDirection() left.
 float applyToDirection(Window window, Drive drive, float num_pressed) {
-  for (uint v = gl_LocalInvocationIndex; v < window.num_parts; v += WORKGROUP) {
+  uint v = gl_LocalInvocationIndex;
+  if (v < window.num_parts) do {
     vec4 sums = vec4(partial[v].x, 0, 0, 0);  // r times t; then over the nodes in contact q times t, q, t
     uint k = v;
-    if (k < window.num_strips) {
     do {
       uvec2 at = stripAt(window, k);
       vec4 q = displacementAt(window, at, kLayerDirection);
@@ -104,10 +104,10 @@ float applyToDirection(Window window, Drive drive, float num_pressed) {
       }
       k += LANES;
     } while (k < window.num_strips);
-    }
     checkLoop(k < window.num_strips);
     partial[v] = sums;
-  }
+    v += WORKGROUP;
+  } while (WORKGROUP < LANES && v < window.num_parts);
   vec4 sums = sumOfPartials(window.num_parts);
   // With a free shift, the mean of q does not count.
   float curvature = LOADS && drive.by_load ? sums.y - sums.z * sums.w / max(num_pressed, 1.0) : sums.y;
@@ -119,10 +119,10 @@ float applyToDirection(Window window, Drive drive, float num_pressed) {
 vec2 takeStep(Window window, float shift, float step_length) {
   // The first node in contact has no step length; its own compliance, 1, is the scale.
   float press = step_length > 0.0 ? step_length : 1.0;
-  for (uint v = gl_LocalInvocationIndex; v < window.num_parts; v += WORKGROUP) {
+  uint v = gl_LocalInvocationIndex;
+  if (v < window.num_parts) do {
     vec2 sums = vec2(0);
     uint k = v;
-    if (k < window.num_strips) {
     do {
       uvec2 at = stripAt(window, k);
       vec4 unshifted = readStrip(window, kLayerResidual, at), residual = unshifted - shift;
@@ -138,10 +138,10 @@ vec2 takeStep(Window window, float shift, float step_length) {
       sums += vec2(sumOf(p), sumOf(entering));
       k += LANES;
     } while (k < window.num_strips);
-    }
     checkLoop(k < window.num_strips);
     partial[v] = vec4(sums, 0, 0);
-  }
+    v += WORKGROUP;
+  } while (WORKGROUP < LANES && v < window.num_parts);
   return sumOfPartials(window.num_parts).xy;
 }
 

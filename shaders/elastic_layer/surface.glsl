@@ -55,13 +55,18 @@ uvec4 reachedNodes(uint instance) {
 
 // The lowest height over the window, m; kMiss without any.
 float lowestHeight(Surface surface, Window window) {
-  for (uint v = gl_LocalInvocationIndex; v < window.num_parts; v += WORKGROUP) {
+  uint v = gl_LocalInvocationIndex;
+  if (v < window.num_parts) do {
     float highest = -kMiss;
     uint k = v;
-    for (; k < window.num_strips; k += LANES) highest = max(highest, largestOf(-heightsOver(surface, stripAt(window, k))));
+    do {
+      highest = max(highest, largestOf(-heightsOver(surface, stripAt(window, k))));
+      k += LANES;
+    } while (k < window.num_strips);
     checkLoop(k < window.num_strips);
     partial[v] = vec4(highest);
-  }
+    v += WORKGROUP;
+  } while (WORKGROUP < LANES && v < window.num_parts);
   return -largestOfPartials(window.num_parts);
 }
 

@@ -47,7 +47,10 @@ Window reachedWindow(uint instance, Surface surface) {
 void setTargets(Surface surface, float limit, inout Window window) {
   clearSources();
   uint k = gl_LocalInvocationIndex;
-  for (; k < window.num_strips; k += WORKGROUP) setTarget(window, stripAt(window, k), overlapsOver(surface, stripAt(window, k)), limit);
+  if (k < window.num_strips) do {
+    setTarget(window, stripAt(window, k), overlapsOver(surface, stripAt(window, k)), limit);
+    k += WORKGROUP;
+  } while (k < window.num_strips);
   checkLoop(k < window.num_strips);
   shrinkWindow(surface, window);
 }
@@ -56,7 +59,10 @@ void setTargets(Surface surface, float limit, inout Window window) {
 void limitTargets(Surface surface, float limit, inout Window window) {
   clearSources();
   uint k = gl_LocalInvocationIndex;
-  for (; k < window.num_strips; k += WORKGROUP) setTarget(window, stripAt(window, k), readStrip(window, kLayerTarget, stripAt(window, k)), limit);
+  if (k < window.num_strips) do {
+    setTarget(window, stripAt(window, k), readStrip(window, kLayerTarget, stripAt(window, k)), limit);
+    k += WORKGROUP;
+  } while (k < window.num_strips);
   checkLoop(k < window.num_strips);
   shrinkWindow(surface, window);
 }
@@ -64,7 +70,7 @@ void limitTargets(Surface surface, float limit, inout Window window) {
 // Clears the pressures outside the window; all of them in the first step.
 void clearPressures(Window window, bool first_step) {
   uint k = gl_LocalInvocationIndex;
-  for (; k < kNumStrips; k += WORKGROUP) {
+  if (k < kNumStrips) do {
     uvec2 at = stripNumbered(k);
     vec4 p = vec4(0);
     if (!first_step) {
@@ -72,7 +78,8 @@ void clearPressures(Window window, bool first_step) {
       for (uint c = 0; c < kStrip; ++c) p[c] = isInWindow(window, uvec2(at.x, at.y + c)) ? p[c] : 0.0;
     }
     writeStrip(window, kLayerPressure, at, p);
-  }
+    k += WORKGROUP;
+  } while (k < kNumStrips);
   checkLoop(k < kNumStrips);
   workgroupBarrierWithBuffers();
 }
