@@ -165,11 +165,13 @@ CellSums takeSums(Tile tile, uint address) {
 void takeCells(Tile tile, Box box, uint slot, inout Found found) {
   if (!isAny(box)) return;
   uint num_cols = uint(box.last.y - box.first.y + 1), count = uint(box.last.x - box.first.x + 1) * num_cols;
-  for (uint i = gl_LocalInvocationIndex; i < count; i += WORKGROUP) {
+  uint i = gl_LocalInvocationIndex;
+  if (i < count) do {
     uvec2 at = uvec2(box.first) + cellNumbered(i, num_cols);
     uint address = at.x * tile.stride + at.y;
     CellSums sums = takeSums(tile, address);
     if (sums.volume != 0.0 || sums.covered != 0.0) giveCell(tile, address, slot, sums, found);
-  }
+    i += WORKGROUP;
+  } while (i < count);
   workgroupBarrier();
 }

@@ -124,12 +124,16 @@ void addOutlineCell(Tile tile, Facet facet, Part part, uint number, bool alone) 
 
 // Adds a facet to all its cells.
 void addFacet(Tile tile, Facet facet, inout Found found) {
-  for (uint parts = partsOf(tile, facet); parts != 0; parts &= parts - 1u) {
+  uint parts = partsOf(tile, facet);
+  if (parts != 0) do {
     Part part = partOf(tile, facet, uint(findLSB(parts)), found);
     uint i = 0;
-    for (; i < part.count; ++i) addOutlineCell(tile, facet, part, i, false);
+    if (part.count > 0) do {
+      addOutlineCell(tile, facet, part, i, false);
+    } while (++i < part.count);
     checkLoop(i < part.count);
-  }
+    parts &= parts - 1u;
+  } while (parts != 0);
 }
 
 // Whether the corners enclose a cell.
@@ -228,18 +232,28 @@ uint quadNumbered(uint i, bool is_candidate, uint first);
 // Adds quads that quadNumbered() gives, from 0 to `count`. All invocations call it.
 void addQuads(Tile tile, MeshView view, bool is_candidate, uint first, uint count, inout Found found) {
   bool large = isDrawn(kByLargeSums, view.large);
-  for (uint start = 0; start < count; start += kQuadsPerChunk) {
+  uint start = 0;
+  if (start < count) do {
     if (gl_LocalInvocationIndex == 0) num_listed_facets = 0;
     workgroupBarrier();
     uint end = min(start + kQuadsPerChunk, count);
-    for (uint i = start + gl_LocalInvocationIndex; i < end; i += WORKGROUP) listFacets(tile, view, quadNumbered(i, is_candidate, first), found);
+    uint i = start + gl_LocalInvocationIndex;
+    if (i < end) do {
+      listFacets(tile, view, quadNumbered(i, is_candidate, first), found);
+      i += WORKGROUP;
+    } while (i < end);
     workgroupBarrier();
     if ((TRIANGLE_SIZES & kBySums) != 0) {
-      for (uint f = large ? num_listed_facets : gl_LocalInvocationIndex; f < num_listed_facets; f += WORKGROUP) addFacet(tile, listedFacet(tile, view, f), found);
+      uint f = large ? num_listed_facets : gl_LocalInvocationIndex;
+      if (f < num_listed_facets) do {
+        addFacet(tile, listedFacet(tile, view, f), found);
+        f += WORKGROUP;
+      } while (f < num_listed_facets);
     }
     if ((TRIANGLE_SIZES & kByLargeSums) != 0) {
       for (uint f = large ? 0 : num_listed_facets; f < num_listed_facets; ++f) addLargeFacet(tile, listedFacet(tile, view, f), found);
     }
     workgroupBarrier();
-  }
+    start += kQuadsPerChunk;
+  } while (start < count);
 }

@@ -230,11 +230,12 @@ void addSolid(Tile tile, Solid solid, uint slot, inout Found found) {
   Quadratic surface;
   float deepest;
   uint count = uint(band.box.last.x - band.box.first.x + 1) * band.width;
-  for (uint start = 0; start < count; start += kMostListed) {
+  uint start = 0;
+  do {
     if (gl_LocalInvocationIndex == 0) num_listed_cells = 0;
     workgroupBarrier();
     uint end = min(start + kMostListed, count), i = start + gl_LocalInvocationIndex;
-    for (; i < end; i += WORKGROUP) {
+    if (i < end) do {
       uvec2 at = cellOf(band, i);
       bool is_quadratic = quadraticUnder(tile, solid.kind, tube, samplePosition(tile, tile.first + vec2(at)), surface);
       uint place = placeOf(tile, surface, is_quadratic, deepest), packed = at.x << 16 | at.y;
@@ -245,17 +246,19 @@ void addSolid(Tile tile, Solid solid, uint slot, inout Found found) {
         uint before = atomicAdd(num_listed_cells, place == kEdge ? kOneEdge : kOneScanned);
         listed_cells[place == kEdge ? before % kOneScanned : kMostListed - 1u - before / kOneScanned] = packed;
       }
-    }
+      i += WORKGROUP;
+    } while (i < end);
     checkLoop(i < end);
     workgroupBarrier();
     uint num_edge_cells = num_listed_cells % kOneScanned, num_scan_cells = num_listed_cells / kOneScanned;
     i = gl_LocalInvocationIndex;
-    for (; i < num_edge_cells; i += WORKGROUP) {
+    if (i < num_edge_cells) do {
       uvec2 at = uvec2(listed_cells[i] >> 16, listed_cells[i] & 0xFFFFu);
       bool is_quadratic = quadraticUnder(tile, solid.kind, tube, samplePosition(tile, tile.first + vec2(at)), surface);
       placeOf(tile, surface, is_quadratic, deepest);
       giveCell(tile, at.x * tile.stride + at.y, slot, integralOf(surface, 0.5 * tile.spacing, deepest), found);
-    }
+      i += WORKGROUP;
+    } while (i < num_edge_cells);
     checkLoop(i < num_edge_cells);
     i = gl_LocalInvocationIndex;
     for (; i < num_scan_cells; i += WORKGROUP) {
@@ -268,6 +271,7 @@ void addSolid(Tile tile, Solid solid, uint slot, inout Found found) {
     }
     checkLoop(i < num_scan_cells);
     workgroupBarrier();
-  }
+    start += kMostListed;
+  } while (start < count);
   grow(found.samples, band.box);
 }
