@@ -153,7 +153,7 @@ const bool kUnrollsRows = (uint(kHasStates) | uint(OUTPUT_JACOBIAN)) != 0u;
 const uint kSamplesAtOnce = kUnrollsRows ? 4u : 1u;  // of a row
 // The code of four samples exceeds a processor's cache for instructions.
 const uint kUnrolledSamples = kUnrollsRows ? 2u : 1u;
-const uint kUnrolledRows = kUnrollsRows ? 1u : 4u;
+const uint kUnrolledRows = kUnrollsRows ? 1u : 2u;
 
 // Words of the samples of a taxel's row and of the rows before and after it, as in the tile; kEmpty where there is no sample or no surface.
 struct RowWords {
