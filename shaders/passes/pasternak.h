@@ -32,3 +32,4 @@ BUFFER(10, readwrite, Loads)
 BUFFER(11, writeonly, Features)
 BUFFER(12, writeonly, Problems)
 BUFFER(13, readonly, NodeCells)
+COHERENT_TEXELS(14, FoundationRows)  // Foundation

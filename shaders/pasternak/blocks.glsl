@@ -44,8 +44,8 @@ void setOverlaps(uint instance, Surface surface, Window reached, uvec2 block) {
       if (here[r]) height[r] = heightAt(surface, corner + uvec2(r, col));
     }
     vec4 overlap = overlapOf(surface, height);
-    if (kSplits) overlap = mix(readRows(address + col * kColumnPairs), overlap, here);
-    writeRows(address + col * kColumnPairs, overlap);
+    if (kSplits) overlap = mix(readRows(address + col), overlap, here);
+    writeRows(address + col, overlap);
     for (uint r = 0; r < kBlockRows; ++r) {
       if (!here[r] || overlap[r] <= 0.0) continue;
       first = min(first, corner + uvec2(r, col));
@@ -85,8 +85,8 @@ void setCutNodes(uint instance, Surface surface, uvec2 block) {
       if (all(lessThan(node, kNodes))) height[r] = cutNode(surface, node, r, arms);
     }
     vec4 overlap = overlapOf(surface, height);
-    writeRows(address + col * kColumnPairs, overlap);
-    writeArms(address + col * kColumnPairs, arms);
+    writeRows(address + col, overlap);
+    writeArms(address + col, arms);
     [[unroll]] for (uint r = 0; r < kBlockRows; ++r) {
       if (overlap[r] <= 0.0) continue;
       first = min(first, corner + uvec2(r, col));
@@ -122,7 +122,7 @@ void startBlocks(uint instance, Surface surface) {
   for (; k < total; k += WORKGROUP) {
     uvec2 block = near.first + cellNumbered(k, near.count.y);
     uint address = columnAddress(instance, kOverlap, block.x * kBlocks.y + block.y, 0);
-    for (uint col = 0; col < kBlockCols; ++col) writeRows(address + col * kColumnPairs, vec4(-kMiss));
+    for (uint col = 0; col < kBlockCols; ++col) writeRows(address + col, vec4(-kMiss));
   }
   checkLoop(k < total);
   workgroupBarrierWithBuffers();

@@ -15,6 +15,12 @@ float sumOfRows(vec2 rows, uint first_row, uint taxel_row) {
   return (isWithin(first_row, taxel_row, kPerTaxel) ? rows.x : 0.0) + (isWithin(first_row + 1u, taxel_row, kPerTaxel) ? rows.y : 0.0);
 }
 
+// Rows 2n and 2n + 1 of a column of a block, n = `pair`.
+vec2 pairAt(uint address, uint pair) {
+  vec4 rows = readRows(address);
+  return pair == 0u ? rows.xy : rows.zw;
+}
+
 // The sum of the mean overlaps of the cells of a taxel, m; `first`: its first node.
 float cellSums(Surface surface, uvec2 first) {
   float depth = 0.0;
@@ -34,10 +40,10 @@ vec2 taxelSums(uint instance, Surface surface, uvec2 at) {
     for (uint a = 0; a < kPairsOfRows; ++a) {
       uint row = (node.x / 2u + a) * 2u, block = row / kBlockRows * kBlocks.y + col, pair = row % kBlockRows / 2u;
       if (row >= kNodes.x || active_blocks[block] == 0) continue;
-      force += sumOfRows(pairAt(columnAddress(instance, forceArray(), block, place) + pair), row, node.x);
+      force += sumOfRows(pairAt(columnAddress(instance, forceArray(), block, place), pair), row, node.x);
       if (!OUTPUT_DEPTH || AREA) continue;
       for (uint b = max(node.y, col * kBlockCols); b < min(end.y, (col + 1u) * kBlockCols); ++b) {
-        vec2 overlap = pairAt(columnAddress(instance, kOverlap, block, b - col * kBlockCols) + pair);
+        vec2 overlap = pairAt(columnAddress(instance, kOverlap, block, b - col * kBlockCols), pair);
         depth += sumOfRows(max(overlap, 0.0), row, node.x);
       }
     }

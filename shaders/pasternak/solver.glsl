@@ -88,14 +88,13 @@ void setRowLinks(inout Column c) {
 Column readColumn(uint instance, uint source, Stack stack, uvec2 corner, uint col) {
   Column column;
   uint up = columnAddress(instance, 0, stack.blocks.x, col), own = columnAddress(instance, 0, stack.blocks.y, col);
-  uint down = columnAddress(instance, 0, stack.blocks.z, col), to_source = source * kNumBlocks * kBlockCols * kColumnPairs;
-  vec2 d0 = pairAt(up + 1u), d1 = pairAt(own), d2 = pairAt(own + 1u), d3 = pairAt(down);
-  vec2 w0 = d0, w1 = d1, w2 = d2, w3 = d3;  // what the first sweep starts from
+  uint down = columnAddress(instance, 0, stack.blocks.z, col), to_source = source * kColumnsOfArray;
+  vec4 d_up = readRows(up), d = readRows(own), d_down = readRows(down);
+  vec4 w_up = d_up, w = d, w_down = d_down;  // what the first sweep starts from
   if (source != kOverlap) {
-    w0 = pairAt(up + to_source + 1u);
-    w1 = pairAt(own + to_source);
-    w2 = pairAt(own + to_source + 1u);
-    w3 = pairAt(down + to_source);
+    w_up = readRows(up + to_source);
+    w = readRows(own + to_source);
+    w_down = readRows(down + to_source);
   }
   bvec4 alive = bvec4(stack.alive.x, stack.alive.y, stack.alive.y, stack.alive.z);
   uint row = corner.x;
@@ -106,17 +105,16 @@ Column readColumn(uint instance, uint source, Stack stack, uvec2 corner, uint co
                           exists && alive.w && row + 5u < kNodes.x);
   column.even_alive = vec4(even_alive);
   column.odd_alive = vec4(odd_alive);
-  column.even_overlap = mix(vec4(-kMiss), vec4(d0.x, d1.x, d2.x, d3.x), even_alive);
-  column.odd_overlap = mix(vec4(-kMiss), vec4(d0.y, d1.y, d2.y, d3.y), odd_alive);
-  column.even = mix(vec4(0), max(vec4(w0.x, w1.x, w2.x, w3.x), 0.0), even_alive);
-  column.odd = mix(vec4(0), max(vec4(w0.y, w1.y, w2.y, w3.y), 0.0), odd_alive);
+  column.even_overlap = mix(vec4(-kMiss), vec4(d_up.z, d.xz, d_down.x), even_alive);
+  column.odd_overlap = mix(vec4(-kMiss), vec4(d_up.w, d.yw, d_down.y), odd_alive);
+  column.even = mix(vec4(0), max(vec4(w_up.z, w.xz, w_down.x), 0.0), even_alive);
+  column.odd = mix(vec4(0), max(vec4(w_up.w, w.yw, w_down.y), 0.0), odd_alive);
   column.even_links = column.odd_links = uvec4(0);
   if (AREA) {
-    uint to_links = kLinks * kNumBlocks * kBlockCols * kColumnPairs;
-    uvec2 l0 = wordsOf(foundation[up + to_links + 1u]), l3 = wordsOf(foundation[down + to_links]);
-    uvec4 l12 = readWords(own + to_links);
-    column.even_links = uvec4(l0.x, l12.xz, l3.x);
-    column.odd_links = uvec4(l0.y, l12.yw, l3.y);
+    const uint kToLinks = kLinks * kColumnsOfArray;
+    uvec4 links_up = readWords(up + kToLinks), links = readWords(own + kToLinks), links_down = readWords(down + kToLinks);
+    column.even_links = uvec4(links_up.z, links.xz, links_down.x);
+    column.odd_links = uvec4(links_up.w, links.yw, links_down.y);
   }
   setRowLinks(column);
   return column;
@@ -195,9 +193,9 @@ void sweepBlock(uint instance, uint source, uint destination, uint number) {
     vec4 q_odd = relaxed(c.q.odd, c.q.odd_overlap, c.q.odd_alive, oddEquation(c.q, c.before, c.p, c.before_q, c.q_p));
     vec4 p_even = relaxed(c.p.even, c.p.even_overlap, c.p.even_alive, evenEquation(c.p, c.q, c.e, c.q_p, c.p_e));
     if (n < 1) continue;
-    uint at = address + uint(2 * n - 2) * kColumnPairs;
+    uint at = address + uint(2 * n - 2);
     writeRows(at, ownRows(c.q.even, q_odd));
-    writeRows(at + kColumnPairs, ownRows(p_even, c.p.odd));
+    writeRows(at + 1u, ownRows(p_even, c.p.odd));
   }
 }
 
@@ -215,7 +213,7 @@ struct BlockSums {
   vec4 of_taxel;  // forces on the rows of the last taxel, N
 };
 
-// Adds the forces on column `col` of a block whose first node is `corner`. Column i of the block in foundation[], from `address` on, becomes the sums over the
+// Adds the forces on column `col` of a block whose first node is `corner`. Column i of the block in Foundation, from `address` on, becomes the sums over the
 // taxel that is i taxels after that of the block's first column.
 void addForces(inout BlockSums sums, vec4 force, vec4 overlap, uvec2 corner, uint col, uint address) {
   vec2 place = nodePosition(vec2(corner) + vec2(0, col));
@@ -225,7 +223,7 @@ void addForces(inout BlockSums sums, vec4 force, vec4 overlap, uvec2 corner, uin
   sums.of_taxel += force;
   uint node = corner.y + col;
   if ((node + 1u) % kPerTaxel != 0 && col + 1u < kBlockCols) return;
-  writeRows(address + (node / kPerTaxel - corner.y / kPerTaxel) * kColumnPairs, sums.of_taxel);
+  writeRows(address + node / kPerTaxel - corner.y / kPerTaxel, sums.of_taxel);
   sums.of_taxel = vec4(0);
 }
 

@@ -55,7 +55,8 @@ Buffer::Buffer(Context& context, std::string name, std::size_t bytes, Domain dom
     vulkan_->buffer = vk_context.device.createBuffer(
         {{},
          bytes_,
-         Usage::eStorageBuffer | Usage::eUniformTexelBuffer | Usage::eIndirectBuffer | Usage::eTransferSrc | Usage::eTransferDst,
+         Usage::eStorageBuffer | Usage::eUniformTexelBuffer | Usage::eStorageTexelBuffer | Usage::eIndirectBuffer | Usage::eTransferSrc |
+             Usage::eTransferDst,
          vk::SharingMode::eExclusive});
     const vk::MemoryRequirements needs = vulkan_->buffer.getMemoryRequirements();
     const vk::PhysicalDeviceMemoryProperties memory = vk_context.physical.getMemoryProperties();

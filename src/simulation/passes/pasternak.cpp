@@ -35,6 +35,7 @@ PasternakPass::PasternakPass(const ModelData& model, const ModelOptions& options
 }
 
 void PasternakPass::record(Recorder& recorder, const Variant& variant) const {
+  recorder.bindings.redirect<block::FoundationRows, block::Foundation>();
   recorder.dispatch(kernels_.get(variant, [&] { return makeKernel(variant); }), static_cast<std::uint32_t>(recorder.num_instances));
 }
 
