@@ -1,13 +1,21 @@
 // Which blocks of nodes are solved: the active ones, within MARGIN nodes of an overlap. The nodes of a block that lie beyond the array, if any, are dead, and so
 // are those of blocks that are not active.
-// Shared memory: 8 kNumBlocks + 20 bytes.
+// Shared memory: 8 kNumBlocks + 52 bytes.
 
 shared uint active_blocks[kNumBlocks];  // 1 or 0
 shared uint block_list[kNumBlocks];     // numbers of the active ones, in ascending order
 shared uint num_listed_blocks;
-shared uint block_bounds[4];  // of the active ones: first row, end row, first col, end col
+shared uint block_bounds[4];  // of the active ones: first row, end row, first col, end col; end 0 without any
+const uint kParts = 8u;       // of the blocks to be listed
+shared uint active_of_part[kParts];
 
 bool isWithin(uint value, uint first, uint count) { return value - first < count; }  // wraps below first
+
+// Number of the k-th block of a window.
+uint blockOf(Window blocks, uint k) {
+  uvec2 at = blocks.first + cellNumbered(k, blocks.count.y);
+  return at.x * kBlocks.y + at.y;
+}
 
 // The blocks that hold the nodes of a window.
 Window blocksOf(Window window) {
@@ -30,45 +38,72 @@ void activateAround(uvec2 first, uvec2 last) {
   }
 }
 
-// Stores the overlaps of a block at those of its nodes that a tile has reached.
-void setOverlaps(uint instance, Surface surface, Window reached, uvec2 block) {
-  const bool kSplits = kPerTaxel % kBlockRows != 0;  // whether a block may have rows of two tiles
-  uvec2 corner = block * kBlockSize, first = kNodes, last = uvec2(0);
-  uint address = columnAddress(instance, kOverlap, block.x * kBlocks.y + block.y, 0);
-  for (uint col = 0; col < kBlockCols; ++col) {
-    if (!isWithin(corner.y + col, reached.first.y, reached.count.y)) continue;
-    vec4 height = vec4(kMiss);
-    bvec4 here = bvec4(false);
-    for (uint r = 0; r < kBlockRows; ++r) {
-      here[r] = isWithin(corner.x + r, reached.first.x, reached.count.x);
-      if (here[r]) height[r] = heightAt(surface, corner + uvec2(r, col));
-    }
-    vec4 overlap = overlapOf(surface, height);
-    if (kSplits) overlap = mix(readRows(address + col), overlap, here);
-    writeRows(address + col, overlap);
-    for (uint r = 0; r < kBlockRows; ++r) {
-      if (!here[r] || overlap[r] <= 0.0) continue;
-      first = min(first, corner + uvec2(r, col));
-      last = max(last, corner + uvec2(r, col));
-    }
-  }
-  if (first.x < kNodes.x) activateAround(first, last);
+// The columns from `first` to before `end`, as bits, of those from `corner` on.
+uint columnBits(uint first, uint end, uint corner) {
+  uvec2 bits = uvec2(clamp(ivec2(first, end) - int(corner), 0, int(kBlockCols)));
+  return (1u << bits.y) - 1u & ~((1u << bits.x) - 1u);
 }
 
-// Lists the active blocks.
-void listBlocks() {
-  if (gl_LocalInvocationIndex == 0) {
+// The nodes of a block that some tile has reached: columns of each row, as bits.
+uvec4 reachedBits(Surface surface, uvec2 corner) {
+  uvec4 rows = corner.x + uvec4(0, 1, 2, 3), bits = uvec4(0);
+  for (uint t = 0; t < NUM_HEIGHT_TILES; ++t) {
+    Window reached = reachedNodes(surface, t);
+    uint columns = columnBits(reached.first.y, reached.first.y + reached.count.y, corner.y);
+    bits |= columns * uvec4(lessThan(rows - reached.first.x, uvec4(reached.count.x)));  // wraps below the first row
+  }
+  return bits;
+}
+
+// Stores the overlaps of a block, and activates the blocks around them.
+void setOverlaps(uint instance, Surface surface, uvec2 block) {
+  uvec2 corner = block * kBlockSize;
+  uint address = columnAddress(instance, kOverlap, block.x * kBlocks.y + block.y, 0), first_col = kBlockCols, last_col = 0;
+  uvec4 reached = reachedBits(surface, corner), any_overlap = uvec4(0);
+  for (uint start = 0; start < kBlockCols; start += 4u) {
+    vec4 heights[kBlockRows];
+    [[unroll]] for (uint r = 0; r < kBlockRows; ++r) heights[r] = heightsOfRow(surface, corner + uvec2(r, start));
+    [[unroll]] for (uint c = 0; c < 4u; ++c) {
+      vec4 height = vec4(heights[0][c], heights[1][c], heights[2][c], heights[3][c]);
+      vec4 overlap = overlapOf(surface, mix(vec4(kMiss), height, equal(reached >> start + c & 1u, uvec4(1))));
+      writeRows(address + start + c, overlap);
+      bvec4 overlaps = greaterThan(overlap, vec4(0));
+      any_overlap |= uvec4(overlaps);
+      if (!any(overlaps)) continue;
+      first_col = min(first_col, start + c);
+      last_col = start + c;
+    }
+  }
+  uint rows = any_overlap.x | any_overlap.y << 1 | any_overlap.z << 2 | any_overlap.w << 3;
+  if (rows != 0u) activateAround(corner + uvec2(findLSB(rows), first_col), corner + uvec2(findMSB(rows), last_col));
+}
+
+// Lists the active blocks, which are among `near`. Each of kParts invocations lists a part of them.
+void listBlocks(Window near) {
+  uint total = near.count.x * near.count.y, most = (total + kParts - 1u) / kParts, v = gl_LocalInvocationIndex;
+  for (; v < kParts; v += WORKGROUP) {
     uint count = 0;
+    for (uint k = v * most; k < min(total, (v + 1u) * most); ++k) count += active_blocks[blockOf(near, k)];
+    active_of_part[v] = count;
+  }
+  workgroupBarrier();
+  for (v = gl_LocalInvocationIndex; v < kParts; v += WORKGROUP) {
+    uint count = 0;
+    for (uint part = 0; part < v; ++part) count += active_of_part[part];
     uvec4 bounds = uvec4(kBlocks.x, 0, kBlocks.y, 0);
-    for (uint block = 0; block < kNumBlocks; ++block) {
+    for (uint k = v * most; k < min(total, (v + 1u) * most); ++k) {
+      uint block = blockOf(near, k);
       if (active_blocks[block] == 0) continue;
       block_list[count] = block;
       ++count;
       uvec2 at = cellNumbered(block, kBlocks.y);
       bounds = uvec4(min(bounds.x, at.x), max(bounds.y, at.x + 1u), min(bounds.z, at.y), max(bounds.w, at.y + 1u));
     }
-    num_listed_blocks = count;
-    for (uint k = 0; k < 4; ++k) block_bounds[k] = count > 0 ? bounds[k] : 0u;
+    if (v == kParts - 1u) num_listed_blocks = count;
+    atomicMin(block_bounds[0], bounds.x);
+    atomicMax(block_bounds[1], bounds.y);
+    atomicMin(block_bounds[2], bounds.z);
+    atomicMax(block_bounds[3], bounds.w);
   }
   workgroupBarrierWithBuffers();
 }
@@ -98,12 +133,11 @@ void setCutNodes(uint instance, Surface surface, uvec2 block) {
 
 // With AREA sets overlaps, active blocks and links of the blocks around the object.
 void startLinks(uint instance, Surface surface, Window near) {
-  workgroupBarrier();
   uint total = near.count.x * near.count.y, k = gl_LocalInvocationIndex;
   for (; k < total; k += WORKGROUP) setCutNodes(instance, surface, near.first + cellNumbered(k, near.count.y));
   checkLoop(k < total);
   workgroupBarrierWithBuffers();
-  listBlocks();
+  listBlocks(near);
   k = gl_LocalInvocationIndex;
   for (; k < num_listed_blocks; k += WORKGROUP) setLinks(instance, block_list[k]);
   checkLoop(k < num_listed_blocks);
@@ -113,26 +147,16 @@ void startLinks(uint instance, Surface surface, Window near) {
 // Sets the overlaps of the blocks around the object, and which of them are active.
 void startBlocks(uint instance, Surface surface) {
   for (uint block = gl_LocalInvocationIndex; block < kNumBlocks; block += WORKGROUP) active_blocks[block] = 0;
+  for (uint v = gl_LocalInvocationIndex; v < 4u; v += WORKGROUP) block_bounds[v] = v % 2u == 0u ? kNumBlocks : 0u;
+  workgroupBarrier();
   Window near = blocksOf(widened(allReachedNodes(surface), MARGIN));
-  uint total = near.count.x * near.count.y, k = gl_LocalInvocationIndex;
   if (AREA) {
     startLinks(instance, surface, near);
     return;
   }
-  for (; k < total; k += WORKGROUP) {
-    uvec2 block = near.first + cellNumbered(k, near.count.y);
-    uint address = columnAddress(instance, kOverlap, block.x * kBlocks.y + block.y, 0);
-    for (uint col = 0; col < kBlockCols; ++col) writeRows(address + col, vec4(-kMiss));
-  }
+  uint total = near.count.x * near.count.y, k = gl_LocalInvocationIndex;
+  for (; k < total; k += WORKGROUP) setOverlaps(instance, surface, near.first + cellNumbered(k, near.count.y));
   checkLoop(k < total);
-  workgroupBarrierWithBuffers();
-  for (uint t = 0; t < NUM_HEIGHT_TILES; ++t) {
-    Window reached = reachedNodes(surface, t), blocks = blocksOf(reached);
-    total = blocks.count.x * blocks.count.y;
-    k = gl_LocalInvocationIndex;
-    for (; k < total; k += WORKGROUP) setOverlaps(instance, surface, reached, blocks.first + cellNumbered(k, blocks.count.y));
-    checkLoop(k < total);
-    workgroupBarrierWithBuffers();
-  }
-  listBlocks();
+  workgroupBarrier();
+  listBlocks(near);
 }

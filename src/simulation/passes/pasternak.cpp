@@ -34,7 +34,7 @@ PasternakPass::PasternakPass(const ModelData& model, const ModelOptions& options
   load_sizes_.workgroup = tunedWorkgroup(options.contact_workgroup, model.profile, iterationsOf(model, kEvaluations), "contact_workgroup");
 }
 
-void PasternakPass::record(Recorder& recorder, const Variant& variant) const {
+void PasternakPass::record(Recorder recorder, const Variant& variant) const {
   recorder.bindings.redirect<block::FoundationRows, block::Foundation>();
   recorder.dispatch(kernels_.get(variant, [&] { return makeKernel(variant); }), static_cast<std::uint32_t>(recorder.num_instances));
 }

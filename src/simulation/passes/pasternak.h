@@ -19,7 +19,7 @@ class PasternakPass {
   // The sensor's law must be Pasternak. Throws Error(kInput) for a workgroup size that is not allowed.
   PasternakPass(const ModelData& model, const ModelOptions& options);
 
-  void record(Recorder& recorder, const Variant& variant) const;
+  void record(Recorder recorder, const Variant& variant) const;
 
  private:
   using Kernel = gpu::PassKernel<PasternakInterface>;
