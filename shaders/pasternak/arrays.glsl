@@ -1,4 +1,5 @@
-// Arrays over blocks of kBlockRows x kBlockCols nodes in Foundation: kNumArrays per instance, each (num_blocks x kBlockCols) columns of kBlockRows words.
+// Arrays over blocks of kBlockRows x kBlockCols nodes in Foundation: kNumArrays per workgroup, which uses them
+// again for each of its instances, so that they stay in a processor's caches; each (num_blocks x kBlockCols) columns of kBlockRows words.
 
 const uint kOverlap = 0u, kFirst = 1u, kSecond = 2u;  // signed overlap, m; displacements, m, of which one becomes the forces, N
 const uint kLinks = 3u;                                 // with AREA: 1 / c of the links to the next row and column, in 16 bits each, cells.glsl
@@ -10,7 +11,7 @@ const uint kNumBlocks = kBlocksAlongRows * kBlocksAlongCols;
 const uint kColumnsOfArray = kNumBlocks * kBlockCols;
 
 // A column of a block.
-uint columnAddress(uint instance, uint array, uint block, uint col) { return ((instance * kNumArrays + array) * kNumBlocks + block) * kBlockCols + col; }
+uint columnAddress(uint array, uint block, uint col) { return ((workgroupNumber() * kNumArrays + array) * kNumBlocks + block) * kBlockCols + col; }
 
 uvec4 readWords(uint address) { return loadFour(FoundationRows, address); }
 vec4 readRows(uint address) { return uintBitsToFloat(readWords(address)); }

@@ -56,9 +56,9 @@ uvec4 reachedBits(Surface surface, uvec2 corner) {
 }
 
 // Stores the overlaps of a block, and activates the blocks around them.
-void setOverlaps(uint instance, Surface surface, uvec2 block) {
+void setOverlaps(Surface surface, uvec2 block) {
   uvec2 corner = block * kBlockSize;
-  uint address = columnAddress(instance, kOverlap, block.x * kBlocks.y + block.y, 0), first_col = kBlockCols, last_col = 0;
+  uint address = columnAddress(kOverlap, block.x * kBlocks.y + block.y, 0), first_col = kBlockCols, last_col = 0;
   uvec4 reached = reachedBits(surface, corner), any_overlap = uvec4(0);
   for (uint start = 0; start < kBlockCols; start += 4u) {
     vec4 heights[kBlockRows];
@@ -109,9 +109,9 @@ void listBlocks(Window near) {
 }
 
 // With AREA stores overlaps and arms of a block. The contact pass has written heights and cells of all nodes.
-void setCutNodes(uint instance, Surface surface, uvec2 block) {
+void setCutNodes(Surface surface, uvec2 block) {
   uvec2 corner = block * kBlockSize, first = kNodes, last = uvec2(0);
-  uint address = columnAddress(instance, kOverlap, block.x * kBlocks.y + block.y, 0);
+  uint address = columnAddress(kOverlap, block.x * kBlocks.y + block.y, 0);
   for (uint col = 0; col < kBlockCols; ++col) {
     vec4 height = vec4(kMiss);
     Arms arms = noArms();
@@ -132,30 +132,30 @@ void setCutNodes(uint instance, Surface surface, uvec2 block) {
 }
 
 // With AREA sets overlaps, active blocks and links of the blocks around the object.
-void startLinks(uint instance, Surface surface, Window near) {
+void startLinks(Surface surface, Window near) {
   uint total = near.count.x * near.count.y, k = gl_LocalInvocationIndex;
-  for (; k < total; k += WORKGROUP) setCutNodes(instance, surface, near.first + cellNumbered(k, near.count.y));
+  for (; k < total; k += WORKGROUP) setCutNodes(surface, near.first + cellNumbered(k, near.count.y));
   checkLoop(k < total);
   workgroupBarrierWithBuffers();
   listBlocks(near);
   k = gl_LocalInvocationIndex;
-  for (; k < num_listed_blocks; k += WORKGROUP) setLinks(instance, block_list[k]);
+  for (; k < num_listed_blocks; k += WORKGROUP) setLinks(block_list[k]);
   checkLoop(k < num_listed_blocks);
   workgroupBarrierWithBuffers();
 }
 
 // Sets the overlaps of the blocks around the object, and which of them are active.
-void startBlocks(uint instance, Surface surface) {
+void startBlocks(Surface surface) {
   for (uint block = gl_LocalInvocationIndex; block < kNumBlocks; block += WORKGROUP) active_blocks[block] = 0;
   for (uint v = gl_LocalInvocationIndex; v < 4u; v += WORKGROUP) block_bounds[v] = v % 2u == 0u ? kNumBlocks : 0u;
   workgroupBarrier();
   Window near = blocksOf(widened(allReachedNodes(surface), MARGIN));
   if (AREA) {
-    startLinks(instance, surface, near);
+    startLinks(surface, near);
     return;
   }
   uint total = near.count.x * near.count.y, k = gl_LocalInvocationIndex;
-  for (; k < total; k += WORKGROUP) setOverlaps(instance, surface, near.first + cellNumbered(k, near.count.y));
+  for (; k < total; k += WORKGROUP) setOverlaps(surface, near.first + cellNumbered(k, near.count.y));
   checkLoop(k < total);
   workgroupBarrier();
   listBlocks(near);

@@ -85,10 +85,10 @@ void setRowLinks(inout Column c) {
 }
 
 // Reads column `col` of the blocks of a stack, whose second one starts at node `corner`; `source`: array of displacements.
-Column readColumn(uint instance, uint source, Stack stack, uvec2 corner, uint col) {
+Column readColumn(uint source, Stack stack, uvec2 corner, uint col) {
   Column column;
-  uint up = columnAddress(instance, 0, stack.blocks.x, col), own = columnAddress(instance, 0, stack.blocks.y, col);
-  uint down = columnAddress(instance, 0, stack.blocks.z, col), to_source = source * kColumnsOfArray;
+  uint up = columnAddress(0, stack.blocks.x, col), own = columnAddress(0, stack.blocks.y, col);
+  uint down = columnAddress(0, stack.blocks.z, col), to_source = source * kColumnsOfArray;
   vec4 d_up = readRows(up), d = readRows(own), d_down = readRows(down);
   vec4 w_up = d_up, w = d, w_down = d_down;  // what the first sweep starts from
   if (source != kOverlap) {
@@ -162,7 +162,7 @@ Columns noColumns() {
 const int kFirstStep = -1, kEndStep = int(kBlockCols) / 2 + 1;
 
 // Reads columns 2n and 2n + 1 as `e` and `o`. `stacks` are those to the left of the block, its own, and those to its right.
-void advance(inout Columns c, uint instance, uint source, Stack stacks[3], uvec2 corner, int n) {
+void advance(inout Columns c, uint source, Stack stacks[3], uvec2 corner, int n) {
   c.before = c.p;
   c.before_q = c.p_e;
   c.q = c.e;
@@ -175,19 +175,19 @@ void advance(inout Columns c, uint instance, uint source, Stack stacks[3], uvec2
   if (side == 2u) stack = stacks[2];
   uvec2 start = uvec2(corner.x, corner.y + kBlockCols * side - kBlockCols);
   uint col = uint(2 * n) % kBlockCols;
-  c.e = readColumn(instance, source, stack, start, col);
-  c.o = readColumn(instance, source, stack, start, col + 1u);
+  c.e = readColumn(source, stack, start, col);
+  c.o = readColumn(source, stack, start, col + 1u);
   c.p_e = linksBetween(c.p, c.e);
   c.e_o = linksBetween(c.e, c.o);
 }
 
-void sweepBlock(uint instance, uint source, uint destination, uint number) {
+void sweepBlock(uint source, uint destination, uint number) {
   uvec2 block = cellNumbered(number, kBlocks.y), corner = block * kBlockSize;
   Stack stacks[3] = Stack[3](stackAt(block, -1), stackAt(block, 0), stackAt(block, 1));
-  uint address = columnAddress(instance, destination, number, 0);
+  uint address = columnAddress(destination, number, 0);
   Columns c = noColumns();
   for (int n = kFirstStep; n < kEndStep; ++n) {
-    advance(c, instance, source, stacks, corner, n);
+    advance(c, source, stacks, corner, n);
     c.p.odd = relaxed(c.p.odd, c.p.odd_overlap, c.p.odd_alive, oddEquation(c.p, c.q, c.e, c.q_p, c.p_e));
     c.e.even = relaxed(c.e.even, c.e.even_overlap, c.e.even_alive, evenEquation(c.e, c.p, c.o, c.p_e, c.e_o));
     vec4 q_odd = relaxed(c.q.odd, c.q.odd_overlap, c.q.odd_alive, oddEquation(c.q, c.before, c.p, c.before_q, c.q_p));
@@ -228,14 +228,14 @@ void addForces(inout BlockSums sums, vec4 force, vec4 overlap, uvec2 corner, uin
 }
 
 // Computes the forces on a block: their sums for the taxels, and in all.
-vec4 forcesOfBlock(uint instance, uint source, uint destination, uint number) {
+vec4 forcesOfBlock(uint source, uint destination, uint number) {
   uvec2 block = cellNumbered(number, kBlocks.y), corner = block * kBlockSize;
   Stack stacks[3] = Stack[3](stackAt(block, -1), stackAt(block, 0), stackAt(block, 1));
-  uint address = columnAddress(instance, destination, number, 0);
+  uint address = columnAddress(destination, number, 0);
   BlockSums sums = BlockSums(vec4(0), vec4(0));
   Columns c = noColumns();
   for (int n = kFirstStep; n < kEndStep; ++n) {
-    advance(c, instance, source, stacks, corner, n);
+    advance(c, source, stacks, corner, n);
     vec4 on_p = forcesOn(c.p, c.q, c.e, c.q_p, c.p_e), on_e = forcesOn(c.e, c.p, c.o, c.p_e, c.e_o);
     uint col = uint(2 * n);
     if (n >= 1) addForces(sums, on_p, ownRows(c.p.even_overlap, c.p.odd_overlap), corner, col - 1u, address);
@@ -248,12 +248,12 @@ vec4 forcesOfBlock(uint instance, uint source, uint destination, uint number) {
 uint forceArray() { return SWEEPS % 2u == 0u ? kFirst : kSecond; }
 
 // Solves the contact of a surface; returns the sums of BlockSums::total over all blocks.
-vec4 solveContact(uint instance, Surface surface) {
-  startBlocks(instance, surface);
+vec4 solveContact(Surface surface) {
+  startBlocks(surface);
   uint source = kOverlap, num = num_listed_blocks;
   for (uint s = 0; s < SWEEPS; ++s) {
     uint destination = s % 2u == 0u ? kFirst : kSecond, k = gl_LocalInvocationIndex;
-    for (; k < num; k += WORKGROUP) sweepBlock(instance, source, destination, block_list[k]);
+    for (; k < num; k += WORKGROUP) sweepBlock(source, destination, block_list[k]);
     checkLoop(k < num);
     workgroupBarrierWithBuffers();
     source = destination;
@@ -261,7 +261,7 @@ vec4 solveContact(uint instance, Surface surface) {
   for (uint v = gl_LocalInvocationIndex; v < LANES; v += WORKGROUP) {
     vec4 sums = vec4(0);
     uint k = v;
-    for (; k < num; k += LANES) sums += forcesOfBlock(instance, source, forceArray(), block_list[k]);
+    for (; k < num; k += LANES) sums += forcesOfBlock(source, forceArray(), block_list[k]);
     checkLoop(k < num);
     partial[v] = sums;
   }

@@ -25,6 +25,9 @@ class PasternakPass {
   using Kernel = gpu::PassKernel<PasternakInterface>;
   Kernel makeKernel(const Variant& variant) const;
 
+  // Instances are at least as many.
+  std::uint32_t numWorkgroups(std::uint64_t num_instances, const Variant& variant) const;
+
   const ModelData& model_;
   PassSizes sizes_;       // without loads
   PassSizes load_sizes_;  // with loads: other workgroups, the same sums
