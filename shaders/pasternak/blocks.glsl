@@ -2,12 +2,14 @@
 // are those of blocks that are not active.
 // Shared memory: 8 kNumBlocks + 52 bytes.
 
-shared uint active_blocks[kNumBlocks];  // 1 or 0
+shared uint active_blocks[kNumBlocks];  // words of shaders/pasternak/settled.glsl; 0 if not active
 shared uint block_list[kNumBlocks];     // numbers of the active ones, in ascending order
 shared uint num_listed_blocks;
 shared uint block_bounds[4];  // of the active ones: first row, end row, first col, end col; end 0 without any
 const uint kParts = 8u;       // of the blocks to be listed
 shared uint active_of_part[kParts];
+
+#include "pasternak/settled.glsl"
 
 bool isWithin(uint value, uint first, uint count) { return value - first < count; }  // wraps below first
 
@@ -30,12 +32,13 @@ Window widened(Window window, uint margin) {
   return Window(first, min(window.first + window.count + margin, kNodes) - first);
 }
 
-// Activates the blocks near the nodes from `first` to `last`.
-void activateAround(uvec2 first, uvec2 last) {
+// Activates the blocks near the nodes of a block from `first` to `last`. Returns where these are, as kChanged...
+uint activateAround(uvec2 first, uvec2 last) {
   Window near = blocksOf(widened(Window(first, last - first + 1u), MARGIN));
   for (uint i = 0; i < near.count.x; ++i) {
-    for (uint j = 0; j < near.count.y; ++j) active_blocks[(near.first.x + i) * kBlocks.y + near.first.y + j] = 1u;
+    for (uint j = 0; j < near.count.y; ++j) active_blocks[(near.first.x + i) * kBlocks.y + near.first.y + j] = kAtOverlap;
   }
+  return changesOf(first % kBlockSize, last % kBlockSize);
 }
 
 // The columns from `first` to before `end`, as bits, of those from `corner` on.
@@ -55,8 +58,8 @@ uvec4 reachedBits(Surface surface, uvec2 corner) {
   return bits;
 }
 
-// Stores the overlaps of a block, and activates the blocks around them.
-void setOverlaps(Surface surface, uvec2 block) {
+// Stores the overlaps of a block, and activates the blocks around them. Returns where they are, as kChanged...
+uint setOverlaps(Surface surface, uvec2 block) {
   uvec2 corner = block * kBlockSize;
   uint address = columnAddress(kOverlap, block.x * kBlocks.y + block.y, 0), first_col = kBlockCols, last_col = 0;
   uvec4 reached = reachedBits(surface, corner), any_overlap = uvec4(0);
@@ -75,7 +78,7 @@ void setOverlaps(Surface surface, uvec2 block) {
     }
   }
   uint rows = any_overlap.x | any_overlap.y << 1 | any_overlap.z << 2 | any_overlap.w << 3;
-  if (rows != 0u) activateAround(corner + uvec2(findLSB(rows), first_col), corner + uvec2(findMSB(rows), last_col));
+  return rows != 0u ? activateAround(corner + uvec2(findLSB(rows), first_col), corner + uvec2(findMSB(rows), last_col)) : 0u;
 }
 
 // Lists the active blocks, which are among `near`. Each of kParts invocations lists a part of them.
@@ -83,7 +86,7 @@ void listBlocks(Window near) {
   uint total = near.count.x * near.count.y, most = (total + kParts - 1u) / kParts, v = gl_LocalInvocationIndex;
   for (; v < kParts; v += WORKGROUP) {
     uint count = 0;
-    for (uint k = v * most; k < min(total, (v + 1u) * most); ++k) count += active_blocks[blockOf(near, k)];
+    for (uint k = v * most; k < min(total, (v + 1u) * most); ++k) count += active_blocks[blockOf(near, k)] != 0u ? 1u : 0u;
     active_of_part[v] = count;
   }
   workgroupBarrier();
@@ -108,8 +111,8 @@ void listBlocks(Window near) {
   workgroupBarrierWithBuffers();
 }
 
-// With AREA stores overlaps and arms of a block. The contact pass has written heights and cells of all nodes.
-void setCutNodes(Surface surface, uvec2 block) {
+// With AREA stores overlaps and arms of a block, and activates the blocks around its overlaps. Returns where these are, as kChanged... The contact pass has written heights and cells of all nodes.
+uint setCutNodes(Surface surface, uvec2 block) {
   uvec2 corner = block * kBlockSize, first = kNodes, last = uvec2(0);
   uint address = columnAddress(kOverlap, block.x * kBlocks.y + block.y, 0);
   for (uint col = 0; col < kBlockCols; ++col) {
@@ -128,16 +131,19 @@ void setCutNodes(Surface surface, uvec2 block) {
       last = max(last, corner + uvec2(r, col));
     }
   }
-  if (first.x < kNodes.x) activateAround(first, last);
+  return first.x < kNodes.x ? activateAround(first, last) : 0u;
 }
 
 // With AREA sets overlaps, active blocks and links of the blocks around the object.
 void startLinks(Surface surface, Window near) {
   uint total = near.count.x * near.count.y, k = gl_LocalInvocationIndex;
-  for (; k < total; k += WORKGROUP) setCutNodes(surface, near.first + cellNumbered(k, near.count.y));
+  for (; k < total; k += WORKGROUP) {
+    sweep_list[k] = blockOf(near, k) | setCutNodes(surface, near.first + cellNumbered(k, near.count.y)) << kNumberBits;
+  }
   checkLoop(k < total);
   workgroupBarrierWithBuffers();
   listBlocks(near);
+  takeChanges(total, 0u, false);
   k = gl_LocalInvocationIndex;
   for (; k < num_listed_blocks; k += WORKGROUP) setLinks(block_list[k]);
   checkLoop(k < num_listed_blocks);
@@ -155,8 +161,11 @@ void startBlocks(Surface surface) {
     return;
   }
   uint total = near.count.x * near.count.y, k = gl_LocalInvocationIndex;
-  for (; k < total; k += WORKGROUP) setOverlaps(surface, near.first + cellNumbered(k, near.count.y));
+  for (; k < total; k += WORKGROUP) {
+    sweep_list[k] = blockOf(near, k) | setOverlaps(surface, near.first + cellNumbered(k, near.count.y)) << kNumberBits;
+  }
   checkLoop(k < total);
   workgroupBarrier();
   listBlocks(near);
+  takeChanges(total, 0u, false);
 }

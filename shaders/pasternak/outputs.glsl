@@ -40,7 +40,7 @@ vec2 taxelSums(Surface surface, uvec2 at) {
     for (uint a = 0; a < kPairsOfRows; ++a) {
       uint row = (node.x / 2u + a) * 2u, block = row / kBlockRows * kBlocks.y + col, pair = row % kBlockRows / 2u;
       if (row >= kNodes.x || active_blocks[block] == 0) continue;
-      force += sumOfRows(pairAt(columnAddress(forceArray(), block, place), pair), row, node.x);
+      force += sumOfRows(pairAt(columnAddress(otherArrayOf(active_blocks[block]), block, place), pair), row, node.x);
       if (!OUTPUT_DEPTH || AREA) continue;
       for (uint b = max(node.y, col * kBlockCols); b < min(end.y, (col + 1u) * kBlockCols); ++b) {
         vec2 overlap = pairAt(columnAddress(kOverlap, block, b - col * kBlockCols), pair);
