@@ -7,8 +7,8 @@
 // In:  heights (num_instances x num_nodes), m, and windows (num_instances x NUM_HEIGHT_TILES), from the contact pass, with area sampling node_cells
 //      (num_instances x num_nodes x kNodeCellWords).
 // Out: contact_normal (num_instances x num_taxels), N; contact_depth (num_instances x num_taxels), m; tile_results (num_instances); loads (num_instances).
-// Shared memory: 16 LANES + 8 kNumBlocks + 52 bytes.
-// Deterministic: a sweep writes another array than it reads; sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
+// Shared memory: 16 LANES + 12 kNumBlocks + 56 bytes.
+// Deterministic: a sweep of a block writes another array than it reads; blocks that a sweep skips would not change; sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
 // Mutable globals: any_unfinished_loop (driver/loop_limit.glsl).
 // Twins: src/reference/pasternak.cpp, foundation_cells.cpp.
 

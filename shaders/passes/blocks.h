@@ -97,9 +97,9 @@
 // ---- host only: copied from, or bound in place of another block ----
 #define BLOCK_EmptyWork \
   BLOCK(EmptyWork, uvec4, empty_work[])  // what Work starts from in every frame, and the row kSecondDispatch of a second dispatch
-#define BLOCK_PastState BLOCK(PastState, uvec4, past_state[])  // State, to be fetched as texels
+#define BLOCK_PastState BLOCK(PastState, uvec4, past_state[])                 // State, to be fetched as texels
 #define BLOCK_FoundationRows BLOCK(FoundationRows, uvec4, foundation_rows[])  // Foundation, to be loaded four words at a time
-#define BLOCK_Triggers BLOCK(Triggers, float, triggers[])      // (t, padded to fours), N
+#define BLOCK_Triggers BLOCK(Triggers, float, triggers[])                     // (t, padded to fours), N
 #define BLOCK_CleanFeatureSource BLOCK(CleanFeatureSource, uint, feature_source)
 #define BLOCK_CleanContactFeatures BLOCK(CleanContactFeatures, float, features[])
 #define BLOCK_CleanTactileJacobian BLOCK(CleanTactileJacobian, float, features[])  // with the wrench's after that of the features

@@ -1,7 +1,7 @@
-// Arrays over blocks of kBlockRows x kBlockCols nodes in Foundation: kNumArrays per workgroup, which uses them
-// again for each of its instances, so that they stay in a processor's caches; each (num_blocks x kBlockCols) columns of kBlockRows words.
+// Arrays over blocks of kBlockRows x kBlockCols nodes, Foundation: kNumArrays per workgroup, each (num_blocks x kBlockCols) columns of kBlockRows words. A workgroup
+// uses them for all of its instances, so that they stay in a processor's caches.
 
-const uint kOverlap = 0u, kFirst = 1u, kSecond = 2u;  // signed overlap, m; displacements, m, of which one becomes the forces, N
+const uint kOverlap = 0u, kFirst = 1u, kSecond = 2u;  // signed overlap, m; displacements, m: for each block one has them, and the other one becomes the forces, N
 const uint kLinks = 3u;                                 // with AREA: 1 / c of the links to the next row and column, in 16 bits each, cells.glsl
 const uint kNumArrays = AREA ? 4u : 3u;
 const uvec2 kBlockSize = uvec2(kBlockRows, kBlockCols);

@@ -1,6 +1,6 @@
 // Which blocks of nodes are solved: the active ones, within MARGIN nodes of an overlap. The nodes of a block that lie beyond the array, if any, are dead, and so
 // are those of blocks that are not active.
-// Shared memory: 8 kNumBlocks + 52 bytes.
+// Shared memory: 8 kNumBlocks + 52 bytes, and that of settled.glsl.
 
 shared uint active_blocks[kNumBlocks];  // words of shaders/pasternak/settled.glsl; 0 if not active
 shared uint block_list[kNumBlocks];     // numbers of the active ones, in ascending order
@@ -47,22 +47,20 @@ uint columnBits(uint first, uint end, uint corner) {
   return (1u << bits.y) - 1u & ~((1u << bits.x) - 1u);
 }
 
-// The nodes of a block that some tile has reached: columns of each row, as bits.
-uvec4 reachedBits(Surface surface, uvec2 corner) {
-  uvec4 rows = corner.x + uvec4(0, 1, 2, 3), bits = uvec4(0);
-  for (uint t = 0; t < NUM_HEIGHT_TILES; ++t) {
-    Window reached = reachedNodes(surface, t);
-    uint columns = columnBits(reached.first.y, reached.first.y + reached.count.y, corner.y);
-    bits |= columns * uvec4(lessThan(rows - reached.first.x, uvec4(reached.count.x)));  // wraps below the first row
-  }
-  return bits;
+// The nodes of a block that a tile has reached: columns of each row, as bits.
+uvec4 reachedBits(Surface surface, uint tile, uvec2 corner) {
+  Window reached = reachedNodes(surface, tile);
+  uvec4 rows = corner.x + uvec4(0, 1, 2, 3) - reached.first.x;  // wraps below the first one
+  return columnBits(reached.first.y, reached.first.y + reached.count.y, corner.y) * uvec4(lessThan(rows, uvec4(reached.count.x)));
 }
 
-// Stores the overlaps of a block, and activates the blocks around them. Returns where they are, as kChanged...
+// Stores the overlaps of a block, of which any tiles of the contact pass may have reached any nodes, and activates the blocks around them. Returns where they are, as
+// kChanged...
 uint setOverlaps(Surface surface, uvec2 block) {
   uvec2 corner = block * kBlockSize;
-  uint address = columnAddress(kOverlap, block.x * kBlocks.y + block.y, 0), first_col = kBlockCols, last_col = 0;
-  uvec4 reached = reachedBits(surface, corner), any_overlap = uvec4(0);
+  uint address = columnAddress(kOverlap, block.x * kBlocks.y + block.y, 0);
+  uvec4 reached = uvec4(0), overlaps = uvec4(0);
+  for (uint t = 0; t < NUM_HEIGHT_TILES; ++t) reached |= reachedBits(surface, t, corner);
   for (uint start = 0; start < kBlockCols; start += 4u) {
     vec4 heights[kBlockRows];
     [[unroll]] for (uint r = 0; r < kBlockRows; ++r) heights[r] = heightsOfRow(surface, corner + uvec2(r, start));
@@ -70,15 +68,14 @@ uint setOverlaps(Surface surface, uvec2 block) {
       vec4 height = vec4(heights[0][c], heights[1][c], heights[2][c], heights[3][c]);
       vec4 overlap = overlapOf(surface, mix(vec4(kMiss), height, equal(reached >> start + c & 1u, uvec4(1))));
       writeRows(address + start + c, overlap);
-      bvec4 overlaps = greaterThan(overlap, vec4(0));
-      any_overlap |= uvec4(overlaps);
-      if (!any(overlaps)) continue;
-      first_col = min(first_col, start + c);
-      last_col = start + c;
+      overlaps |= uvec4(greaterThan(overlap, vec4(0))) << start + c;
     }
   }
-  uint rows = any_overlap.x | any_overlap.y << 1 | any_overlap.z << 2 | any_overlap.w << 3;
-  return rows != 0u ? activateAround(corner + uvec2(findLSB(rows), first_col), corner + uvec2(findMSB(rows), last_col)) : 0u;
+  uint cols = overlaps.x | overlaps.y | overlaps.z | overlaps.w;
+  if (cols == 0u) return 0u;
+  uvec4 any_of_row = uvec4(notEqual(overlaps, uvec4(0)));
+  uint rows = any_of_row.x | any_of_row.y << 1 | any_of_row.z << 2 | any_of_row.w << 3;
+  return activateAround(corner + uvec2(findLSB(rows), findLSB(cols)), corner + uvec2(findMSB(rows), findMSB(cols)));
 }
 
 // Lists the active blocks, which are among `near`. Each of kParts invocations lists a part of them.

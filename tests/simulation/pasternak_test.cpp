@@ -60,6 +60,20 @@ TEST(PasternakOnEveryDriver, ForcesOfCellsMatchClosedForms) {
               {pin(0.5e-3, 0.045), pin(1e-3, 0.015), pin(6e-3, 0.003), sphere(0.5e-3), sphere(1e-3, 0.01), sphere(2e-3, 0.005)});
 }
 
+// A taxel has 20 x 20 nodes. The contact pass divides them into tiles whose edges are within blocks of nodes.
+TEST(PasternakOnEveryDriver, TilesMayCutBlocks) {
+  constexpr double kError = 5e-3;  // of the force
+  const Sensor sensor = foundationSensor(40, {.num_rows = 5, .num_cols = 7, .samples_per_taxel = 5, .thickness = 2e-3});
+  const std::vector<Object> objects{Sphere{5e-3}};
+  const Touch touch{{0}, {{{0, 0, 4.2e-3}, {1, 0, 0, 0}}}};
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+  Simulator simulator(model, {});
+  support::setTouches(simulator, {touch});
+  simulator.step(kDt);
+  const double force = reference::foundationContact(sensor, touch.placed(objects)).total_force;
+  EXPECT_NEAR(simulator.read().ground_truth.total_force[0] / force, 1, kError);
+}
+
 // The default number of sweeps grows with the decay length in spacings of nodes, 3.1, 4.7 and 9.4 here; a sweep reduces errors to 0.63,
 // 0.74 and 0.86.
 TEST(Pasternak, DefaultSweepsConverge) {
