@@ -278,7 +278,7 @@ TEST(Pasternak, LoadsBeyondTheSkinAreOutOfReach) {
 }
 
 void expectSameBytes(const Sensor& sensor) {
-  constexpr int kInstances = 7;
+  constexpr int kInstances = 7, kMany = 400;
   Random random(11);
   const std::vector<Object> objects{Sphere{0.004}, support::icosphere(0.008, 2, 0.05, random), Cylinder{0.7e-3, 0.01}};
   std::vector<Touch> touches;
@@ -310,6 +310,11 @@ void expectSameBytes(const Sensor& sensor) {
   for (const int i : all) EXPECT_EQ(together[static_cast<std::size_t>(i)], run(model, {i})[0]) << i;
   const Model wider(support::sharedDevice(), {.sensor = sensor, .objects = objects, .contact_workgroup = 64});
   EXPECT_EQ(together, run(wider, all));
+  // So many that workgroups solve several of them, in other orders.
+  std::vector<int> many;
+  for (int i = 0; i < kMany; ++i) many.push_back(random.integer(0, kInstances - 1));
+  const auto in_sequence = run(model, many);
+  for (std::size_t i = 0; i < kMany; ++i) EXPECT_EQ(in_sequence[i], together[static_cast<std::size_t>(many[i])]) << i;
 }
 
 TEST(PasternakOnEveryDriver, BatchesAndWorkgroupsGiveTheSameBytes) {
