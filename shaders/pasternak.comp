@@ -3,12 +3,12 @@
 #extension GL_EXT_control_flow_attributes : require
 // Two-parameter foundation pass: stage 2 (contact law) of one frame for the law `pasternak`, with its load search.
 //
-// A workgroup owns an instance; an invocation owns blocks of nodes. Every frame starts from the object's surface, so that it depends on nothing but the pose.
+// A workgroup owns instances, one after another; an invocation owns blocks of nodes. Every frame starts from the object's surface, so that it depends on nothing but the pose.
 // In:  heights (num_instances x num_nodes), m, and windows (num_instances x NUM_HEIGHT_TILES), from the contact pass, with area sampling node_cells
 //      (num_instances x num_nodes x kNodeCellWords).
 // Out: contact_normal (num_instances x num_taxels), N; contact_depth (num_instances x num_taxels), m; tile_results (num_instances); loads (num_instances).
-// Shared memory: 16 LANES + 8 kNumBlocks + 20 bytes.
-// Deterministic: a sweep writes another array than it reads; sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
+// Shared memory: 16 LANES + 12 kNumBlocks + 56 bytes.
+// Deterministic: a sweep of a block writes another array than it reads; blocks that a sweep skips would not change; sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
 // Mutable globals: any_unfinished_loop (driver/loop_limit.glsl).
 // Twins: src/reference/pasternak.cpp, foundation_cells.cpp.
 
@@ -97,7 +97,7 @@ void solveInstance(uint instance, uint num_instances) {
   vec4 sums;
   for (int n = 0; n < (LOADS ? kMaxEvaluations : 1); ++n) {
     if (n > 0) surface.depth = nextDepth(search);
-    sums = solveContact(instance, surface);
+    sums = solveContact(surface);
     if (!takeForce(search, n, surface.depth, sums.x)) break;
   }
   if (by_load && gl_LocalInvocationIndex == 0) {
@@ -110,13 +110,11 @@ void solveInstance(uint instance, uint num_instances) {
 
 void main() {
   uvec4 batch = step_record.batch;
-  uint first = workgroupNumber() * REPEAT;
-  uint end = min(first + REPEAT, batch.x);
-  uint instance = first;
-  for (; instance < end; ++instance) {
+  uint instance = workgroupNumber();
+  for (; instance < batch.x; instance += gl_NumWorkGroups.x * gl_NumWorkGroups.y) {
     solveInstance(instance, batch.x);
     workgroupBarrierWithBuffers();
   }
-  checkLoop(instance < end);
+  checkLoop(instance < batch.x);
   reportUnfinishedLoops();
 }

@@ -1,12 +1,18 @@
-// Four words of a read-only buffer, fetched together.
+// Four words of a buffer, loaded together. FOURS: an earlier dispatch has written them. COHERENT_FOURS: the same dispatch writes them, through a storage buffer,
+// with workgroupBarrierWithBuffers() between stores and loads.
 //
 // With LOCKSTEP the buffer is a texel buffer: software drivers check bounds and load per word and lane for a storage buffer, but once per lane for a texel of
-// 128 bits. A GPU loads a uvec4 at once.
+// 128 bits. A GPU loads a uvec4 at once. Loads of a storage texel buffer cost as much as those of a uniform one, but see stores of the same dispatch. Stores to it
+// cost more than those of pairs (driver/pairs.glsl).
 #ifdef LOCKSTEP
 #define FOURS(number, Name) layout(set = 0, binding = number) uniform usamplerBuffer Name
 #define fourOf(Name, index) texelFetch(Name, int(index))
+#define COHERENT_FOURS(number, Name) layout(rgba32ui, set = 0, binding = number) coherent readonly uniform uimageBuffer Name
+#define loadFour(Name, index) imageLoad(Name, int(index))
 #else
 #define FOURS(number, Name) layout(std430, set = 0, binding = number) readonly buffer Name { uvec4 fours_of_##Name[]; }
 #define fourOf(Name, index) fours_of_##Name[index]
+#define COHERENT_FOURS(number, Name) layout(std430, set = 0, binding = number) coherent readonly buffer Name { uvec4 fours_of_##Name[]; }
+#define loadFour(Name, index) fours_of_##Name[index]
 #endif
 #define floatsOfFour(Name, index) uintBitsToFloat(fourOf(Name, index))

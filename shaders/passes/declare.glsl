@@ -5,6 +5,7 @@
 //   VALUE(kName, value)              uint that both languages need
 //   BUFFER(binding, access, Block)   storage buffer of set 0 with the array of this block, blocks.h; access: readonly, writeonly, readwrite, coherent
 //   TEXELS(binding, Block)           read-only array that is fetched four words at a time by fourOf(), driver/texels.glsl
+//   COHERENT_TEXELS(binding, Block)  array that the same pass writes as a BUFFER of another block, and loadFour() reads four words at a time
 // src/simulation/passes/interfaces.h reads the same lists.
 
 #include "shared/batch.h"
@@ -20,6 +21,7 @@
 #define readwrite
 #define BUFFER(number, access, Name) layout(std430, set = 0, binding = number) access buffer Name { BLOCK_##Name };
 #define TEXELS(number, Name) FOURS(number, Name);
+#define COHERENT_TEXELS(number, Name) COHERENT_FOURS(number, Name);
 
 #include "passes/common.h"
 layout(local_size_x_id = 0) in;

@@ -19,9 +19,8 @@ float cutNode(Surface surface, uvec2 node, uint r, inout Arms arms) {
 
 // Stores the arms of a column in kFirst and kSecond, which the solver does not use yet. `at`: of the overlaps of the column.
 void writeArms(uint at, Arms arms) {
-  const uint kArray = kNumBlocks * kBlockCols * kColumnPairs;
-  writeWords(at + kFirst * kArray, arms.along_x);
-  writeWords(at + kSecond * kArray, arms.along_y);
+  writeWords(at + kFirst * kColumnsOfArray, arms.along_x);
+  writeWords(at + kSecond * kColumnsOfArray, arms.along_y);
 }
 
 // The arms of four nodes towards lower rows or columns, or towards higher ones.
@@ -33,25 +32,25 @@ vec4 rowsBelow(vec4 rows, float below) { return vec4(rows.yzw, below); }
 uvec4 rowsBelow(uvec4 rows, uint below) { return uvec4(rows.yzw, below); }
 
 // Computes kLinks of a block from the overlaps, and from the arms in kFirst (along x) and kSecond (along y).
-void setLinks(uint instance, uint number) {
+void setLinks(uint number) {
   uvec2 block = cellNumbered(number, kBlocks.y);
   uint below = block.x + 1u < kBlocks.x ? number + kBlocks.y : number, right = block.y + 1u < kBlocks.y ? number + 1u : number;
-  uint to_first = kFirst * kNumBlocks * kBlockCols * kColumnPairs, to_second = kSecond * kNumBlocks * kBlockCols * kColumnPairs;
-  uint own = columnAddress(instance, kOverlap, number, 0);
+  uint to_first = kFirst * kColumnsOfArray, to_second = kSecond * kColumnsOfArray;
+  uint own = columnAddress(kOverlap, number, 0);
   vec4 overlap = readRows(own);
   uvec4 along_y = readWords(own + to_second);
   for (uint col = 0; col < kBlockCols; ++col) {
-    uint under = columnAddress(instance, kOverlap, below, col);
-    uint next_col = col + 1u < kBlockCols ? own + kColumnPairs : columnAddress(instance, kOverlap, right, 0);
+    uint under = columnAddress(kOverlap, below, col);
+    uint next_col = col + 1u < kBlockCols ? own + 1u : columnAddress(kOverlap, right, 0);
     uvec4 along_x = readWords(own + to_first), next_along_y = readWords(next_col + to_second);
     vec4 next_overlap = readRows(next_col);
-    uvec4 under_x = rowsBelow(along_x, wordsOf(foundation[under + to_first]).x);
-    vec4 to_row = freeShares(overlap, rowsBelow(overlap, pairAt(under).x), armsAfter(along_x) + armsBefore(under_x),
-                             abs(overlap - rowsBelow(overlap, pairAt(under).x)) / nodeSpacing().x);
+    uvec4 under_x = rowsBelow(along_x, readWords(under + to_first).x);
+    vec4 to_row = freeShares(overlap, rowsBelow(overlap, readRows(under).x), armsAfter(along_x) + armsBefore(under_x),
+                             abs(overlap - rowsBelow(overlap, readRows(under).x)) / nodeSpacing().x);
     vec4 to_col = freeShares(overlap, next_overlap, armsAfter(along_y) + armsBefore(next_along_y), abs(overlap - next_overlap) / nodeSpacing().y);
     uvec4 words;
     [[unroll]] for (uint r = 0; r < kBlockRows; ++r) words[r] = packUnorm2x16(vec2(to_row[r], to_col[r]));
-    writeWords(columnAddress(instance, kLinks, number, col), words);
+    writeWords(columnAddress(kLinks, number, col), words);
     overlap = next_overlap;
     along_y = next_along_y;
     own = next_col;

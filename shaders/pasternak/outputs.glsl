@@ -15,6 +15,12 @@ float sumOfRows(vec2 rows, uint first_row, uint taxel_row) {
   return (isWithin(first_row, taxel_row, kPerTaxel) ? rows.x : 0.0) + (isWithin(first_row + 1u, taxel_row, kPerTaxel) ? rows.y : 0.0);
 }
 
+// Rows 2n and 2n + 1 of a column of a block, n = `pair`.
+vec2 pairAt(uint address, uint pair) {
+  vec4 rows = readRows(address);
+  return pair == 0u ? rows.xy : rows.zw;
+}
+
 // The sum of the mean overlaps of the cells of a taxel, m; `first`: its first node.
 float cellSums(Surface surface, uvec2 first) {
   float depth = 0.0;
@@ -25,7 +31,7 @@ float cellSums(Surface surface, uvec2 first) {
 }
 
 // Force on a taxel, N, and the sum of its overlaps, m; `at`: its row and col.
-vec2 taxelSums(uint instance, Surface surface, uvec2 at) {
+vec2 taxelSums(Surface surface, uvec2 at) {
   const uint kPairsOfRows = (kPerTaxel + 1u) / 2u;
   uvec2 node = at * kPerTaxel, end = node + kPerTaxel;
   float force = 0.0, depth = AREA && OUTPUT_DEPTH ? cellSums(surface, node) : 0.0;
@@ -34,10 +40,10 @@ vec2 taxelSums(uint instance, Surface surface, uvec2 at) {
     for (uint a = 0; a < kPairsOfRows; ++a) {
       uint row = (node.x / 2u + a) * 2u, block = row / kBlockRows * kBlocks.y + col, pair = row % kBlockRows / 2u;
       if (row >= kNodes.x || active_blocks[block] == 0) continue;
-      force += sumOfRows(pairAt(columnAddress(instance, forceArray(), block, place) + pair), row, node.x);
+      force += sumOfRows(pairAt(columnAddress(otherArrayOf(active_blocks[block]), block, place), pair), row, node.x);
       if (!OUTPUT_DEPTH || AREA) continue;
       for (uint b = max(node.y, col * kBlockCols); b < min(end.y, (col + 1u) * kBlockCols); ++b) {
-        vec2 overlap = pairAt(columnAddress(instance, kOverlap, block, b - col * kBlockCols) + pair);
+        vec2 overlap = pairAt(columnAddress(kOverlap, block, b - col * kBlockCols), pair);
         depth += sumOfRows(max(overlap, 0.0), row, node.x);
       }
     }
@@ -54,7 +60,7 @@ uvec4 writeTaxels(uint instance, Surface surface) {
     bool inside = all(lessThan(at - touched.first, touched.count));
     if (!inside && !OUTPUT_DEPTH) continue;
     vec2 sums = vec2(0);
-    if (inside) sums = taxelSums(instance, surface, at);
+    if (inside) sums = taxelSums(surface, at);
     uint taxel = instance * NUM_TAXELS + k;
     contact_normal[taxel] = sums.x * spread_scale[k];
     if (OUTPUT_DEPTH) contact_depth[taxel] = sums.y / float(kPerTaxel * kPerTaxel);

@@ -5,7 +5,7 @@
 // A link has c = 2 where an outline of the object crosses it, which on average is half-way (src/reference/pasternak.h); with AREA common/cut_links.glsl has c. Beyond the
 // active blocks and beyond the array the surface decays exponentially. Twin: src/reference/pasternak.cpp.
 //
-// An invocation sweeps a block in one pass over its columns, from one array into another, and needs nothing that others compute in the same sweep: it moves the
+// An invocation sweeps a block in one pass over its columns, from one array into the other (settled.glsl), and needs nothing that others compute in the same sweep: it moves the
 // red nodes around the block's black ones again. Nodes are red where row plus column is even.
 //
 //          before   q     p     e     o           columns 2n - 3 to 2n + 1 in step n
@@ -19,6 +19,7 @@ struct Column {
   vec4 even, odd;                  // displacements w, m
   vec4 even_overlap, odd_overlap;  // d, m; -kMiss at dead nodes
   vec4 even_alive, odd_alive;      // 1 or 0
+  vec4 before;                     // displacements of rows 0 to 3 before the sweep
   vec4 even_odd, odd_even;         // links from even[i] to odd[i] and from odd[i] to even[i + 1], N/m
   uvec4 even_links, odd_links;     // with AREA: words of kLinks
 };
@@ -31,6 +32,7 @@ struct Links {
 // Three blocks, one below another along x, of which the second has the columns to be swept next to it or in it.
 struct Stack {
   uvec3 blocks;
+  uvec3 to_w;  // from a column's overlaps to its displacements
   bvec3 alive;
 };
 
@@ -42,7 +44,9 @@ Stack stackAt(uvec2 block, int step_to) {
     bool exists = row < kBlocks.x && col < kBlocks.y;
     uint number = exists ? row * kBlocks.y + col : block.x * kBlocks.y + block.y;
     stack.blocks[k] = number;
-    stack.alive[k] = exists && active_blocks[number] != 0;
+    uint word = active_blocks[number];
+    stack.alive[k] = exists && word != 0u;
+    stack.to_w[k] = word != 0u ? arrayOf(word) * kColumnsOfArray : 0u;
   }
   return stack;
 }
@@ -72,7 +76,7 @@ Links linksBetween(Column a, Column b) {
 }
 
 Column deadColumn() {
-  return Column(vec4(0), vec4(0), vec4(-kMiss), vec4(-kMiss), vec4(0), vec4(0), vec4(0), vec4(0), uvec4(0), uvec4(0));
+  return Column(vec4(0), vec4(0), vec4(-kMiss), vec4(-kMiss), vec4(0), vec4(0), vec4(0), vec4(0), vec4(0), uvec4(0), uvec4(0));
 }
 
 // Sets the links along x.
@@ -84,19 +88,13 @@ void setRowLinks(inout Column c) {
   c.odd_even = linkBetween(odd, c.odd_alive * next(c.even_alive), LINK_X, DECAY_X);
 }
 
-// Reads column `col` of the blocks of a stack, whose second one starts at node `corner`; `source`: array of displacements.
-Column readColumn(uint instance, uint source, Stack stack, uvec2 corner, uint col) {
+// Reads column `col` of the blocks of a stack, whose second one starts at node `corner`.
+Column readColumn(Stack stack, uvec2 corner, uint col) {
   Column column;
-  uint up = columnAddress(instance, 0, stack.blocks.x, col), own = columnAddress(instance, 0, stack.blocks.y, col);
-  uint down = columnAddress(instance, 0, stack.blocks.z, col), to_source = source * kNumBlocks * kBlockCols * kColumnPairs;
-  vec2 d0 = pairAt(up + 1u), d1 = pairAt(own), d2 = pairAt(own + 1u), d3 = pairAt(down);
-  vec2 w0 = d0, w1 = d1, w2 = d2, w3 = d3;  // what the first sweep starts from
-  if (source != kOverlap) {
-    w0 = pairAt(up + to_source + 1u);
-    w1 = pairAt(own + to_source);
-    w2 = pairAt(own + to_source + 1u);
-    w3 = pairAt(down + to_source);
-  }
+  uint up = columnAddress(0, stack.blocks.x, col), own = columnAddress(0, stack.blocks.y, col);
+  uint down = columnAddress(0, stack.blocks.z, col);
+  vec4 d_up = readRows(up), d = readRows(own), d_down = readRows(down);
+  vec4 w_up = readRows(up + stack.to_w.x), w = readRows(own + stack.to_w.y), w_down = readRows(down + stack.to_w.z);
   bvec4 alive = bvec4(stack.alive.x, stack.alive.y, stack.alive.y, stack.alive.z);
   uint row = corner.x;
   bool exists = corner.y + col < kNodes.y;
@@ -106,17 +104,17 @@ Column readColumn(uint instance, uint source, Stack stack, uvec2 corner, uint co
                           exists && alive.w && row + 5u < kNodes.x);
   column.even_alive = vec4(even_alive);
   column.odd_alive = vec4(odd_alive);
-  column.even_overlap = mix(vec4(-kMiss), vec4(d0.x, d1.x, d2.x, d3.x), even_alive);
-  column.odd_overlap = mix(vec4(-kMiss), vec4(d0.y, d1.y, d2.y, d3.y), odd_alive);
-  column.even = mix(vec4(0), max(vec4(w0.x, w1.x, w2.x, w3.x), 0.0), even_alive);
-  column.odd = mix(vec4(0), max(vec4(w0.y, w1.y, w2.y, w3.y), 0.0), odd_alive);
+  column.even_overlap = mix(vec4(-kMiss), vec4(d_up.z, d.xz, d_down.x), even_alive);
+  column.odd_overlap = mix(vec4(-kMiss), vec4(d_up.w, d.yw, d_down.y), odd_alive);
+  column.even = mix(vec4(0), max(vec4(w_up.z, w.xz, w_down.x), 0.0), even_alive);
+  column.odd = mix(vec4(0), max(vec4(w_up.w, w.yw, w_down.y), 0.0), odd_alive);
+  column.before = ownRows(column.even, column.odd);
   column.even_links = column.odd_links = uvec4(0);
   if (AREA) {
-    uint to_links = kLinks * kNumBlocks * kBlockCols * kColumnPairs;
-    uvec2 l0 = wordsOf(foundation[up + to_links + 1u]), l3 = wordsOf(foundation[down + to_links]);
-    uvec4 l12 = readWords(own + to_links);
-    column.even_links = uvec4(l0.x, l12.xz, l3.x);
-    column.odd_links = uvec4(l0.y, l12.yw, l3.y);
+    const uint kToLinks = kLinks * kColumnsOfArray;
+    uvec4 links_up = readWords(up + kToLinks), links = readWords(own + kToLinks), links_down = readWords(down + kToLinks);
+    column.even_links = uvec4(links_up.z, links.xz, links_down.x);
+    column.odd_links = uvec4(links_up.w, links.yw, links_down.y);
   }
   setRowLinks(column);
   return column;
@@ -164,7 +162,7 @@ Columns noColumns() {
 const int kFirstStep = -1, kEndStep = int(kBlockCols) / 2 + 1;
 
 // Reads columns 2n and 2n + 1 as `e` and `o`. `stacks` are those to the left of the block, its own, and those to its right.
-void advance(inout Columns c, uint instance, uint source, Stack stacks[3], uvec2 corner, int n) {
+void advance(inout Columns c, Stack stacks[3], uvec2 corner, int n) {
   c.before = c.p;
   c.before_q = c.p_e;
   c.q = c.e;
@@ -177,28 +175,40 @@ void advance(inout Columns c, uint instance, uint source, Stack stacks[3], uvec2
   if (side == 2u) stack = stacks[2];
   uvec2 start = uvec2(corner.x, corner.y + kBlockCols * side - kBlockCols);
   uint col = uint(2 * n) % kBlockCols;
-  c.e = readColumn(instance, source, stack, start, col);
-  c.o = readColumn(instance, source, stack, start, col + 1u);
+  c.e = readColumn(stack, start, col);
+  c.o = readColumn(stack, start, col + 1u);
   c.p_e = linksBetween(c.p, c.e);
   c.e_o = linksBetween(c.e, c.o);
 }
 
-void sweepBlock(uint instance, uint source, uint destination, uint number) {
+// Sweeps a block; returns what has changed.
+uint sweepBlock(uint number) {
   uvec2 block = cellNumbered(number, kBlocks.y), corner = block * kBlockSize;
   Stack stacks[3] = Stack[3](stackAt(block, -1), stackAt(block, 0), stackAt(block, 1));
-  uint address = columnAddress(instance, destination, number, 0);
+  uint address = columnAddress(otherArrayOf(active_blocks[number]), number, 0);
+  uint changes = 0u;
+  bvec4 changed = bvec4(false);
   Columns c = noColumns();
   for (int n = kFirstStep; n < kEndStep; ++n) {
-    advance(c, instance, source, stacks, corner, n);
+    advance(c, stacks, corner, n);
     c.p.odd = relaxed(c.p.odd, c.p.odd_overlap, c.p.odd_alive, oddEquation(c.p, c.q, c.e, c.q_p, c.p_e));
     c.e.even = relaxed(c.e.even, c.e.even_overlap, c.e.even_alive, evenEquation(c.e, c.p, c.o, c.p_e, c.e_o));
     vec4 q_odd = relaxed(c.q.odd, c.q.odd_overlap, c.q.odd_alive, oddEquation(c.q, c.before, c.p, c.before_q, c.q_p));
     vec4 p_even = relaxed(c.p.even, c.p.even_overlap, c.p.even_alive, evenEquation(c.p, c.q, c.e, c.q_p, c.p_e));
     if (n < 1) continue;
-    uint at = address + uint(2 * n - 2) * kColumnPairs;
-    writeRows(at, ownRows(c.q.even, q_odd));
-    writeRows(at + kColumnPairs, ownRows(p_even, c.p.odd));
+    uint at = address + uint(2 * n - 2);
+    vec4 on_q = ownRows(c.q.even, q_odd), on_p = ownRows(p_even, c.p.odd);
+    writeRows(at, on_q);
+    writeRows(at + 1u, on_p);
+    bvec4 now = bvec4(uvec4(notEqual(on_q, c.q.before)) | uvec4(notEqual(on_p, c.p.before)));
+    changed = bvec4(uvec4(changed) | uvec4(now));
+    if (n == 1 && any(now)) changes |= kChangedFirstCols;
+    if (n == kEndStep - 1 && any(now)) changes |= kChangedLastCols;
   }
+  if (any(changed)) changes |= kChanged;
+  if (any(changed.xy)) changes |= kChangedFirstRows;
+  if (any(changed.zw)) changes |= kChangedLastRows;
+  return changes;
 }
 
 // Forces on rows 0 to 3 of a column, N.
@@ -215,7 +225,7 @@ struct BlockSums {
   vec4 of_taxel;  // forces on the rows of the last taxel, N
 };
 
-// Adds the forces on column `col` of a block whose first node is `corner`. Column i of the block in foundation[], from `address` on, becomes the sums over the
+// Adds the forces on column `col` of a block whose first node is `corner`. Column i of the block in Foundation, from `address` on, becomes the sums over the
 // taxel that is i taxels after that of the block's first column.
 void addForces(inout BlockSums sums, vec4 force, vec4 overlap, uvec2 corner, uint col, uint address) {
   vec2 place = nodePosition(vec2(corner) + vec2(0, col));
@@ -225,19 +235,19 @@ void addForces(inout BlockSums sums, vec4 force, vec4 overlap, uvec2 corner, uin
   sums.of_taxel += force;
   uint node = corner.y + col;
   if ((node + 1u) % kPerTaxel != 0 && col + 1u < kBlockCols) return;
-  writeRows(address + (node / kPerTaxel - corner.y / kPerTaxel) * kColumnPairs, sums.of_taxel);
+  writeRows(address + node / kPerTaxel - corner.y / kPerTaxel, sums.of_taxel);
   sums.of_taxel = vec4(0);
 }
 
 // Computes the forces on a block: their sums for the taxels, and in all.
-vec4 forcesOfBlock(uint instance, uint source, uint destination, uint number) {
+vec4 forcesOfBlock(uint number) {
   uvec2 block = cellNumbered(number, kBlocks.y), corner = block * kBlockSize;
   Stack stacks[3] = Stack[3](stackAt(block, -1), stackAt(block, 0), stackAt(block, 1));
-  uint address = columnAddress(instance, destination, number, 0);
+  uint address = columnAddress(otherArrayOf(active_blocks[number]), number, 0);
   BlockSums sums = BlockSums(vec4(0), vec4(0));
   Columns c = noColumns();
   for (int n = kFirstStep; n < kEndStep; ++n) {
-    advance(c, instance, source, stacks, corner, n);
+    advance(c, stacks, corner, n);
     vec4 on_p = forcesOn(c.p, c.q, c.e, c.q_p, c.p_e), on_e = forcesOn(c.e, c.p, c.o, c.p_e, c.e_o);
     uint col = uint(2 * n);
     if (n >= 1) addForces(sums, on_p, ownRows(c.p.even_overlap, c.p.odd_overlap), corner, col - 1u, address);
@@ -246,24 +256,25 @@ vec4 forcesOfBlock(uint instance, uint source, uint destination, uint number) {
   return sums.total;
 }
 
-// Where solveContact() has left the forces.
-uint forceArray() { return SWEEPS % 2u == 0u ? kFirst : kSecond; }
-
 // Solves the contact of a surface; returns the sums of BlockSums::total over all blocks.
-vec4 solveContact(uint instance, Surface surface) {
-  startBlocks(instance, surface);
-  uint source = kOverlap, num = num_listed_blocks;
+vec4 solveContact(Surface surface) {
+  startBlocks(surface);
+  uint num = num_listed_blocks;
   for (uint s = 0; s < SWEEPS; ++s) {
-    uint destination = s % 2u == 0u ? kFirst : kSecond, k = gl_LocalInvocationIndex;
-    for (; k < num; k += WORKGROUP) sweepBlock(instance, source, destination, block_list[k]);
-    checkLoop(k < num);
+    listUnsettled(s);
+    uint num_swept = num_swept_blocks, k = gl_LocalInvocationIndex;
+    for (; k < num_swept; k += WORKGROUP) {
+      uint block = sweep_list[k];
+      sweep_list[k] = block | sweepBlock(block) << kNumberBits;
+    }
+    checkLoop(k < num_swept);
     workgroupBarrierWithBuffers();
-    source = destination;
+    takeChanges(num_swept, s + 1u, true);
   }
   for (uint v = gl_LocalInvocationIndex; v < LANES; v += WORKGROUP) {
     vec4 sums = vec4(0);
     uint k = v;
-    for (; k < num; k += LANES) sums += forcesOfBlock(instance, source, forceArray(), block_list[k]);
+    for (; k < num; k += LANES) sums += forcesOfBlock(block_list[k]);
     checkLoop(k < num);
     partial[v] = sums;
   }

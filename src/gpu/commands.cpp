@@ -93,8 +93,9 @@ Commands::Commands(Context& context, std::string name, std::uint32_t num_timesta
     : vulkan_(std::make_unique<Vulkan>(context, std::move(name))) {
   Context::Vulkan& vk_context = context.vulkan();
   checked("recording " + vulkan_->name, "", [&] {
-    const std::array<vk::DescriptorPoolSize, 2> sizes{
-        {{vk::DescriptorType::eStorageBuffer, kMaxSets * 16}, {vk::DescriptorType::eUniformTexelBuffer, kMaxSets * 4}}};
+    const std::array<vk::DescriptorPoolSize, 3> sizes{{{vk::DescriptorType::eStorageBuffer, kMaxSets * 16},
+                                                       {vk::DescriptorType::eUniformTexelBuffer, kMaxSets * 4},
+                                                       {vk::DescriptorType::eStorageTexelBuffer, kMaxSets}}};
     vulkan_->descriptors = vk_context.device.createDescriptorPool({vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, kMaxSets, sizes});
     vulkan_->pool = vk_context.device.createCommandPool({{}, vk_context.queue_family});
     vulkan_->commands =
@@ -134,7 +135,7 @@ void Commands::bind(const Kernel& kernel, std::span<const Buffer* const> buffers
   std::vector<vk::WriteDescriptorSet> writes;
   for (const Buffer* buffer : buffers) {
     const vk::DescriptorType type = vk_kernel.types[writes.size()];
-    const bool as_texels = type == vk::DescriptorType::eUniformTexelBuffer;
+    const bool as_texels = type != vk::DescriptorType::eStorageBuffer;
     if (as_texels) buffer->viewAsTexels(vulkan_->context);
     infos.emplace_back(*buffer->vulkan().buffer, 0, VK_WHOLE_SIZE);
     writes.emplace_back(*set, static_cast<std::uint32_t>(writes.size()), 0, 1, type, nullptr, &infos.back(),

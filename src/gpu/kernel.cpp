@@ -55,8 +55,9 @@ Kernel::Kernel(Context& context, const KernelOptions& options)
   checked("building kernel " + name_, "", [&] {
     std::vector<vk::DescriptorSetLayoutBinding> bindings;
     for (std::uint32_t i = 0; i < num_buffers_; ++i) {
-      vulkan_->types.push_back(reflection.texel_buffers.contains(i) ? vk::DescriptorType::eUniformTexelBuffer
-                                                                    : vk::DescriptorType::eStorageBuffer);
+      vulkan_->types.push_back(reflection.texel_buffers.contains(i)           ? vk::DescriptorType::eUniformTexelBuffer
+                               : reflection.storage_texel_buffers.contains(i) ? vk::DescriptorType::eStorageTexelBuffer
+                                                                              : vk::DescriptorType::eStorageBuffer);
       bindings.emplace_back(i, vulkan_->types.back(), 1, vk::ShaderStageFlagBits::eCompute);
     }
     vulkan_->set_layout = vk_context.device.createDescriptorSetLayout({{}, bindings});

@@ -17,7 +17,7 @@ bool isTexelBuffer(spvc_compiler compiler, const spvc_reflected_resource& resour
   const spvc_type type = spvc_compiler_get_type_handle(compiler, resource.base_type_id);
   const spvc_basetype base = spvc_type_get_basetype(type);
   const bool is_image = base == SPVC_BASETYPE_IMAGE || base == SPVC_BASETYPE_SAMPLED_IMAGE;
-  return is_image && spvc_type_get_image_dimension(type) == SpvDimBuffer && !spvc_type_get_image_is_storage(type);
+  return is_image && spvc_type_get_image_dimension(type) == SpvDimBuffer;
 }
 
 }  // namespace
@@ -46,7 +46,7 @@ Reflection reflect(std::span<const std::uint32_t> spirv) {
         reflection.buffers[binding] = name;
       } else if (isTexelBuffer(compiler, list[i]) && set == 0) {
         reflection.buffers[binding] = list[i].name;
-        reflection.texel_buffers.insert(binding);
+        (type == SPVC_RESOURCE_TYPE_STORAGE_IMAGE ? reflection.storage_texel_buffers : reflection.texel_buffers).insert(binding);
       } else {
         reflection.others.push_back(name);
       }

@@ -11,10 +11,11 @@
 namespace taxelsim::gpu {
 
 struct Reflection {
-  std::map<std::uint32_t, std::string> buffers;  // of set 0 by binding: names of storage blocks and texel buffers
-  std::set<std::uint32_t> texel_buffers;         // bindings of texel buffers
-  std::vector<std::uint32_t> constants;          // ids of specialization constants, ascending
-  std::vector<std::string> others;               // resources that kernels must not have
+  std::map<std::uint32_t, std::string> buffers;   // of set 0 by binding: names of storage blocks and texel buffers
+  std::set<std::uint32_t> texel_buffers;          // bindings of read-only texel buffers
+  std::set<std::uint32_t> storage_texel_buffers;  // bindings of texel buffers that the shader may write
+  std::vector<std::uint32_t> constants;           // ids of specialization constants, ascending
+  std::vector<std::string> others;                // resources that kernels must not have
 };
 
 // Throws std::logic_error when the words are no valid module.

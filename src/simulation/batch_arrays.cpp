@@ -169,7 +169,8 @@ constexpr BatchArray kArrays[] = {
     internal<block::TileResults>("tile_results", tiles),
     internal<block::ImageWindows>("image windows",
                                   [](Shape s) { return countIf(s.model.packed.one_grid && s.model.sensor.frame_rate == 0, 1); }),
-    internal<block::Heights>("heights", [](Shape s) { return countIf(s.hasLayer(), nodes(s)); }),
+    internal<block::Heights>("heights",
+                             [](Shape s) { return countIf(s.hasLayer(), (nodes(s) + 7) / 4 * 4); }),  // read in fours, one beyond the end
     internal<block::NodeCells>("cells of nodes",
                                [](Shape s) { return countIf(s.hasLayer() && s.model.area(), layout::kNodeCellWords * nodes(s)); }),
     internal<block::Windows>("windows", [](Shape s) { return countIf(s.hasLayer(), s.model.contact_packed.tiles.size()); }),

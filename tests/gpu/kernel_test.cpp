@@ -15,6 +15,8 @@
 #include "gpu/kernel.h"
 #include "gpu/reflection.h"
 #include "load.spv.h"
+#include "pasternak.spv.h"
+#include "pasternak_lockstep.spv.h"
 #include "support/temporary_directory.h"
 #include "taxelsim/device.h"
 
@@ -58,6 +60,15 @@ TEST(KernelOnEveryDriver, ReflectsTexelBuffersByName) {
   EXPECT_EQ(lockstep.buffers, any.buffers);
   EXPECT_THAT(any.texel_buffers, IsEmpty());
   EXPECT_THAT(lockstep.texel_buffers, ElementsAre(0, 2, 3, 4, 5)) << "poses, objects, groups, clusters, quads";
+  EXPECT_THAT(lockstep.others, IsEmpty());
+}
+
+TEST(KernelOnEveryDriver, ReflectsStorageTexelBuffersByName) {
+  const gpu::Reflection any = gpu::reflect(k_pasternak_spirv), lockstep = gpu::reflect(k_pasternak_lockstep_spirv);
+  EXPECT_EQ(lockstep.buffers, any.buffers);
+  EXPECT_THAT(any.storage_texel_buffers, IsEmpty());
+  EXPECT_THAT(lockstep.storage_texel_buffers, ElementsAre(14)) << "displacements";
+  EXPECT_THAT(lockstep.texel_buffers, ElementsAre(3, 4)) << "heights, windows";
   EXPECT_THAT(lockstep.others, IsEmpty());
 }
 

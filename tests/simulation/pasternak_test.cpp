@@ -60,6 +60,20 @@ TEST(PasternakOnEveryDriver, ForcesOfCellsMatchClosedForms) {
               {pin(0.5e-3, 0.045), pin(1e-3, 0.015), pin(6e-3, 0.003), sphere(0.5e-3), sphere(1e-3, 0.01), sphere(2e-3, 0.005)});
 }
 
+// A taxel has 20 x 20 nodes. The contact pass divides them into tiles whose edges are within blocks of nodes.
+TEST(PasternakOnEveryDriver, TilesMayCutBlocks) {
+  constexpr double kError = 5e-3;  // of the force
+  const Sensor sensor = foundationSensor(40, {.num_rows = 5, .num_cols = 7, .samples_per_taxel = 5, .thickness = 2e-3});
+  const std::vector<Object> objects{Sphere{5e-3}};
+  const Touch touch{{0}, {{{0, 0, 4.2e-3}, {1, 0, 0, 0}}}};
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+  Simulator simulator(model, {});
+  support::setTouches(simulator, {touch});
+  simulator.step(kDt);
+  const double force = reference::foundationContact(sensor, touch.placed(objects)).total_force;
+  EXPECT_NEAR(simulator.read().ground_truth.total_force[0] / force, 1, kError);
+}
+
 // The default number of sweeps grows with the decay length in spacings of nodes, 3.1, 4.7 and 9.4 here; a sweep reduces errors to 0.63,
 // 0.74 and 0.86.
 TEST(Pasternak, DefaultSweepsConverge) {
@@ -264,7 +278,7 @@ TEST(Pasternak, LoadsBeyondTheSkinAreOutOfReach) {
 }
 
 void expectSameBytes(const Sensor& sensor) {
-  constexpr int kInstances = 7;
+  constexpr int kInstances = 7, kMany = 400;
   Random random(11);
   const std::vector<Object> objects{Sphere{0.004}, support::icosphere(0.008, 2, 0.05, random), Cylinder{0.7e-3, 0.01}};
   std::vector<Touch> touches;
@@ -296,6 +310,11 @@ void expectSameBytes(const Sensor& sensor) {
   for (const int i : all) EXPECT_EQ(together[static_cast<std::size_t>(i)], run(model, {i})[0]) << i;
   const Model wider(support::sharedDevice(), {.sensor = sensor, .objects = objects, .contact_workgroup = 64});
   EXPECT_EQ(together, run(wider, all));
+  // So many that workgroups solve several of them, in other orders.
+  std::vector<int> many;
+  for (int i = 0; i < kMany; ++i) many.push_back(random.integer(0, kInstances - 1));
+  const auto in_sequence = run(model, many);
+  for (std::size_t i = 0; i < kMany; ++i) EXPECT_EQ(in_sequence[i], together[static_cast<std::size_t>(many[i])]) << i;
 }
 
 TEST(PasternakOnEveryDriver, BatchesAndWorkgroupsGiveTheSameBytes) {

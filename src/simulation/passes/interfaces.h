@@ -14,6 +14,7 @@ namespace taxelsim {
 #define VALUE(kName, value) static constexpr uint kName = value;
 #define BUFFER(binding, access, Block) static block::Block blockAt(gpu::At<binding>);
 #define TEXELS(binding, Block) static block::Block blockAt(gpu::At<binding>);
+#define COHERENT_TEXELS(binding, Block) static block::Block blockAt(gpu::At<binding>);
 // NOLINTEND(bugprone-macro-parentheses)
 
 using layout::uint;
@@ -114,5 +115,6 @@ struct ServoInterface {
 #undef VALUE
 #undef BUFFER
 #undef TEXELS
+#undef COHERENT_TEXELS
 
 }  // namespace taxelsim

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <thread>
 
 #include "pasternak.spv.h"
 #include "pasternak_lockstep.spv.h"
@@ -18,9 +19,10 @@ namespace {
 std::uint64_t iterationsOf(const ModelData& model, std::uint64_t evaluations) {
   constexpr std::uint64_t kRows = PasternakInterface::kBlockRows, kCols = PasternakInterface::kBlockCols;
   constexpr std::uint64_t kColumnsOfStart = 2 * kCols, kStepsOfSweep = kCols / 2 + 2;
+  const std::uint64_t start = kColumnsOfStart + model.contact_packed.tiles.size();
   const auto nodes = static_cast<std::uint64_t>(numTaxels(model.contact_sensor));
   const auto sweeps = static_cast<std::uint64_t>(pasternakSweeps(model.sensor));
-  return (nodes / (kRows * kCols) + 1) * evaluations * (kColumnsOfStart + (sweeps + 1) * kStepsOfSweep) / 3;
+  return (nodes / (kRows * kCols) + 1) * evaluations * (start + (sweeps + 1) * kStepsOfSweep) / 3;
 }
 
 }  // namespace
@@ -30,12 +32,23 @@ PasternakPass::PasternakPass(const ModelData& model, const ModelOptions& options
   const std::uint64_t iterations = iterationsOf(model, 1);
   sizes_.workgroup = tunedWorkgroup(options.contact_workgroup, model.profile, iterations, "contact_workgroup");
   sizes_.lanes = model.profile.partialSumsFor(iterations);
+  sizes_.repeat = model.profile.itemsInSequence(iterations / sizes_.workgroup, kMaxRepeat);
   load_sizes_ = sizes_;
   load_sizes_.workgroup = tunedWorkgroup(options.contact_workgroup, model.profile, iterationsOf(model, kEvaluations), "contact_workgroup");
+  load_sizes_.repeat = model.profile.itemsInSequence(iterationsOf(model, kEvaluations) / load_sizes_.workgroup, kMaxRepeat);
 }
 
-void PasternakPass::record(Recorder& recorder, const Variant& variant) const {
-  recorder.dispatch(kernels_.get(variant, [&] { return makeKernel(variant); }), static_cast<std::uint32_t>(recorder.num_instances));
+// A workgroup that solves several instances finds its arrays in the caches. There are enough workgroups for all processors.
+std::uint32_t PasternakPass::numWorkgroups(std::uint64_t num_instances, const Variant& variant) const {
+  constexpr std::uint64_t kPerProcessor = 4;
+  const PassSizes& sizes = variant.loads ? load_sizes_ : sizes_;
+  const std::uint64_t least = (num_instances + sizes.repeat - 1) / sizes.repeat;
+  return static_cast<std::uint32_t>(std::clamp(kPerProcessor * std::thread::hardware_concurrency(), least, num_instances));
+}
+
+void PasternakPass::record(Recorder recorder, const Variant& variant) const {
+  recorder.bindings.redirect<block::FoundationRows, block::Foundation>();
+  recorder.dispatch(kernels_.get(variant, [&] { return makeKernel(variant); }), numWorkgroups(recorder.num_instances, variant));
 }
 
 PasternakPass::Kernel PasternakPass::makeKernel(const Variant& variant) const {

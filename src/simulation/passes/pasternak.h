@@ -19,11 +19,14 @@ class PasternakPass {
   // The sensor's law must be Pasternak. Throws Error(kInput) for a workgroup size that is not allowed.
   PasternakPass(const ModelData& model, const ModelOptions& options);
 
-  void record(Recorder& recorder, const Variant& variant) const;
+  void record(Recorder recorder, const Variant& variant) const;
 
  private:
   using Kernel = gpu::PassKernel<PasternakInterface>;
   Kernel makeKernel(const Variant& variant) const;
+
+  // Instances are at least as many.
+  std::uint32_t numWorkgroups(std::uint64_t num_instances, const Variant& variant) const;
 
   const ModelData& model_;
   PassSizes sizes_;       // without loads
