@@ -1,9 +1,8 @@
 // Product of the influence matrix A with an array of a layer: the displacement (thicknesses) that it causes at a strip of nodes.
 //
-// A depends on the distance of two nodes only. The table Influence holds its coefficients in fours, (NODE_ROWS x kRowNodes) of them: by distance of the rows,
-// then by distance of the columns from -kRowNodes up, for every even one its coefficient and the three that follow; the host computes it
-// (src/simulation/pack/pack_layer.cpp). A strip of sources and a strip of results need kStrip^2 products but only 2 kStrip - 1 coefficients, of which half are
-// kept from the strip before.
+// A depends on the distance of two nodes only. The table Influence holds its coefficients as (NODE_ROWS x 2 kRowStrips) strips: by distance of the rows, then
+// by distance of the strips from -kRowStrips up; the host computes it (src/sensor/elastic_layer.cpp). A strip of sources and a strip of results need
+// kStrip^2 products but only 2 kStrip - 1 coefficients, of which half are kept from the strip before.
 
 // Four consecutive values that begin 1, 2 or 3 before those of b; a holds the four before b.
 vec4 before1(vec4 a, vec4 b) { return vec4(a.w, b.xyz); }
@@ -17,27 +16,24 @@ vec4 before3(vec4 a, vec4 b) { return vec4(a.yzw, b.x); }
 vec4 displacementAt(Window window, uvec2 at, uint array) {
   vec4 w = vec4(0);
   uint row = source_rows[0], end_row = source_rows[1];
-  if (row < end_row) {
-    do {
-      uint distance = at.x > row ? at.x - row : row - at.x;
-      uint col = source_first[row], end = source_end[row];
-      uint entry = distance * kRowNodes + (kRowNodes + at.y - col) / 2;
-      uint source = pairAddress(window.layer_start, array, uvec2(row, col));
-      vec4 next = floatsOfFour(Influence, entry);
-      if (col < end) {
-        do {
-          entry -= kStrip / 2;
-          vec4 past = floatsOfFour(Influence, entry), x = stripFrom(source);
-          source += kStrip / 2;
-          w += x.x * next + x.y * before1(past, next) + x.z * before2(past, next) + x.w * before3(past, next);
-          next = past;
-          col += kStrip;
-        } while (col < end);
-      }
-      ++row;
-    } while (row < end_row);
-  }
-  if (AREA && at.y < source_end[at.x] && at.y + kStrip > source_first[at.x]) {
+  if (row < end_row) do {
+    uint distance = at.x > row ? at.x - row : row - at.x;
+    uint col = source_first[row], end = source_end[row];
+    uint entry = distance * 2 * kRowStrips + kRowStrips + at.y / kStrip - col / kStrip;
+    uint source = stripAddress(window.layer_start, array, uvec2(row, col));
+    vec4 next = floatsOfFour(Influence, entry);
+    if (col < end) do {
+      --entry;
+      vec4 past = floatsOfFour(Influence, entry), x = uintBitsToFloat(loadFour(LayerStrips, source));
+      ++source;
+      w += x.x * next + x.y * before1(past, next) + x.z * before2(past, next) + x.w * before3(past, next);
+      next = past;
+      col += kStrip;
+    } while (col < end);
+    checkLoop(col < end);
+  } while (++row < end_row);
+  checkLoop(row < end_row);
+  if (AREA && at.y >= source_first[at.x] && at.y < source_end[at.x]) {
     w += readStrip(window, kLayerCompliance, at) * readStrip(window, array, at);
   }
   return w;

@@ -2,20 +2,15 @@
 //
 // Nodes whose target is not above a limit cannot be touched: their target becomes kNoTarget, and the window shrinks to the other nodes.
 
-// Stores the targets of a strip that are above `limit`; its pairs of nodes that have any become sources.
+// Stores the targets of a strip that are above `limit`; the strip becomes a source if there are any.
 void setTarget(Window window, uvec2 at, vec4 target, float limit) {
   target = mix(vec4(kNoTarget), target, greaterThan(target, vec4(limit)));
   writeStrip(window, kLayerTarget, at, target);
-  bool low = max(target.x, target.y) > kNoTarget, high = max(target.z, target.w) > kNoTarget;
-  if (low || high) addSources(at.x, low ? at.y : at.y + 2u, high ? at.y + kStrip : at.y + 2u);
+  if (largestOf(target) > kNoTarget) addSource(at);
 }
 
-// The columns for which setTargets() stores targets, in whole strips from an even column on: first, end.
-uvec2 targetColumns(Surface surface) {
-  uint first = surface.reached.z & ~1u, count = (surface.reached.w - first + kStrip - 1u) / kStrip * kStrip;
-  first = min(first, kRowNodes - count);
-  return uvec2(first, first + count);
-}
+// The columns for which setTargets() stores targets, in whole strips: first, end.
+uvec2 targetColumns(Surface surface) { return uvec2(surface.reached.z, surface.reached.w + kStrip - 1u) / kStrip * kStrip; }
 
 // Shrinks the window to the sources.
 void shrinkWindow(Surface surface, inout Window window) {
@@ -25,7 +20,7 @@ void shrinkWindow(Surface surface, inout Window window) {
     if (source_first[row] < source_end[row]) atomicMax(widest, source_end[row] - source_first[row]);
   }
   workgroupBarrierWithBuffers();
-  uint width = (widest + kStrip - 1u) / kStrip, last = targetColumns(surface).y - width * kStrip;
+  uint width = widest / kStrip, last = targetColumns(surface).y - width * kStrip;
   for (uint row = rows.x + gl_LocalInvocationIndex; row < rows.y; row += WORKGROUP) {
     window_first[row] = min(source_first[row], last);
   }
@@ -72,12 +67,7 @@ void clearPressures(Window window, bool first_step) {
   uint k = gl_LocalInvocationIndex;
   if (k < kNumStrips) do {
     uvec2 at = stripNumbered(k);
-    vec4 p = vec4(0);
-    if (!first_step) {
-      p = readStrip(window, kLayerPressure, at);
-      for (uint c = 0; c < kStrip; ++c) p[c] = isInWindow(window, uvec2(at.x, at.y + c)) ? p[c] : 0.0;
-    }
-    writeStrip(window, kLayerPressure, at, p);
+    if (first_step || !isInWindow(window, at)) writeStrip(window, kLayerPressure, at, vec4(0));
     k += WORKGROUP;
   } while (k < kNumStrips);
   checkLoop(k < kNumStrips);

@@ -17,7 +17,7 @@ struct Window {
   uint num_parts;    // partial sums over these strips
 };
 
-shared uint window_first[NODE_ROWS];                         // first column of the window in each row, even
+shared uint window_first[NODE_ROWS];                         // first column of the window in each row
 shared uint source_first[NODE_ROWS], source_end[NODE_ROWS];  // range of sources in each row
 shared uint source_rows[2];                                  // range of rows that have sources
 shared uint widest;                                          // largest number of columns of a row

@@ -46,3 +46,4 @@ BUFFER(16, writeonly, ContactShear)
 BUFFER(17, writeonly, TaxelJacobian)
 BUFFER(18, writeonly, WrenchJacobian)
 BUFFER(19, readonly, NodeCells)
+COHERENT_TEXELS(20, LayerStrips)  // Layer

@@ -77,7 +77,7 @@ std::uint64_t layerFrictionStates(Shape s) {
 // Pairs of words of all arrays over strips of nodes.
 std::uint64_t layerPairs(Shape s) {
   if (!s.hasLayer()) return 0;
-  const std::uint64_t padded_nodes = s.model.layer->influence.size() / layout::kStrip;
+  const std::uint64_t padded_nodes = s.model.layer->influence.size() / 2;
   const std::uint64_t compliances = !s.model.area() ? 0 : s.model.relaxes() ? 2 : 1;
   return (layout::kNumLayerArrays + relaxationStates(s) + compliances) * padded_nodes / 2;
 }

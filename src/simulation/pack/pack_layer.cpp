@@ -52,15 +52,13 @@ PackedLayer packLayer(const Sensor& sensor) {
   const std::vector<double> influence = layerInfluence(law, sensor.skin.thickness, nodes.spacing, nodes.num_rows, nodes.num_cols);
   packed.cells = cellCompliance(law, sensor.skin.thickness, nodes.spacing);
   const double own = influence.front();
-  constexpr int kStrip = layout::kStrip;
-  const int row_nodes = (nodes.num_cols + kStrip - 1) / kStrip * kStrip;
+  const int strips = (nodes.num_cols + static_cast<int>(layout::kStrip) - 1) / static_cast<int>(layout::kStrip);
+  const int half = strips * static_cast<int>(layout::kStrip);
   for (int u = 0; u < nodes.num_rows; ++u) {
-    for (int v = -row_nodes; v < row_nodes; v += 2) {
-      for (int k = 0; k < kStrip; ++k) {
-        const int distance = std::abs(v + k);
-        const std::size_t at = static_cast<std::size_t>(u) * static_cast<std::size_t>(nodes.num_cols) + static_cast<std::size_t>(distance);
-        packed.influence.push_back(distance < nodes.num_cols ? static_cast<float>(influence[at] / own) : 0.0f);
-      }
+    for (int v = -half; v < half; ++v) {
+      const int distance = std::abs(v);
+      const std::size_t at = static_cast<std::size_t>(u) * static_cast<std::size_t>(nodes.num_cols) + static_cast<std::size_t>(distance);
+      packed.influence.push_back(distance < nodes.num_cols ? static_cast<float>(influence[at] / own) : 0.0f);
     }
   }
   // Where pressure nowhere raises the surface, contact is only where there is overlap. Else the skin bulges: a thin incompressible layer

@@ -11,7 +11,7 @@ namespace taxelsim {
 struct PackedLayer {
   LayerNodes nodes;
   Sensor node_sensor;            // the nodes as taxels of one sample
-  std::vector<float> influence;  // (num_rows x columns, padded to strips, x kStrip) by distance in rows and columns, relative to the influence of a cell on
+  std::vector<float> influence;  // (num_rows x 2 rows of strips) by distance in rows and columns, relative to the influence of a cell on
                                  // itself; distance 0 is in the middle of a row
   float reach = 0;               // gaps that matter, in depths of the deepest node
   CellCompliance cells{};        // of an elastic layer

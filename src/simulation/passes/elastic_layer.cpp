@@ -13,7 +13,7 @@ namespace {
 // Loop iterations that one invocation alone would take: two products of all strips with all others in some of the iterations, the window
 // being a part of them, and, for a skin that relaxes, one product of the strains.
 std::uint64_t iterationsOf(const Sensor& sensor, const PackedLayer& layer) {
-  const std::uint64_t strips = layer.influence.size() / (layout::kStrip * layout::kStrip);
+  const std::uint64_t strips = layer.influence.size() / (2 * layout::kStrip);
   const auto solver_iterations = static_cast<std::uint64_t>(std::get<ElasticLayer>(sensor.skin.law).iterations);
   return strips * strips * ((sensor.skin.relaxation.empty() ? 10 : 20) + solver_iterations) / 10;
 }
@@ -27,7 +27,8 @@ ElasticLayerPass::ElasticLayerPass(const ModelData& model, const ModelOptions& o
   checkLayerFits(model.device.info(), model.sensor, model.layer->nodes, sizes_.lanes);
 }
 
-void ElasticLayerPass::record(Recorder& recorder, const Variant& variant) const {
+void ElasticLayerPass::record(Recorder recorder, const Variant& variant) const {
+  recorder.bindings.redirect<block::LayerStrips, block::Layer>();
   recorder.dispatch(kernels_.get(variant, [&] { return makeKernel(variant); }), static_cast<std::uint32_t>(recorder.num_instances));
 }
 

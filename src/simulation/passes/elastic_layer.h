@@ -22,7 +22,7 @@ class ElasticLayerPass {
   // The model must have a layer. Throws Error(kInput) for a workgroup size that is not allowed, and as checkLayerFits().
   ElasticLayerPass(const ModelData& model, const ModelOptions& options);
 
-  void record(Recorder& recorder, const Variant& variant) const;
+  void record(Recorder recorder, const Variant& variant) const;
 
  private:
   using Kernel = gpu::PassKernel<ElasticLayerInterface>;
