@@ -43,14 +43,10 @@ const uint kContactMargin = MARGIN, kSpreadRadius = KERNEL / 2;
 ImageSums readImage(Instance instance, Kernel kernel, Lag lag, uint lane, uint num_parts, uvec2 seed) {
   ImageSums total = noSums();
   uint first_partial = gl_LocalInvocationIndex / TEAM * kNumSums * LANES;
-  uint v = lane * kRowsAtOnce;
-  if (v < num_parts) do {
+  for (uint v = lane * kRowsAtOnce; v < num_parts; v += TEAM * kRowsAtOnce) {
     ImageSums part = noSums(), next_part = noSums();
     uint i = v;
-    do {
-      readRows(instance, kernel, lag, i, seed, part, next_part);
-      i += LANES;
-    } while (i < instance.window.count.x);
+    for (; i < instance.window.count.x; i += LANES) readRows(instance, kernel, lag, i, seed, part, next_part);
     checkLoop(i < instance.window.count.x);
     if (TEAM == 1) {
       addSums(total, part);
@@ -58,8 +54,7 @@ ImageSums readImage(Instance instance, Kernel kernel, Lag lag, uint lane, uint n
     } else {
       storePartial(first_partial, v, part);
     }
-    v += TEAM * kRowsAtOnce;
-  } while (v < num_parts);
+  }
   if (TEAM > 1) {
     barrier();
     for (uint v = 0; v < num_parts; ++v) addPartial(first_partial, v, total);

@@ -79,20 +79,12 @@ void visitListedGroups(Tile tile, MeshView view, inout Found found) {
     uint first = (group & kFirstMask) + lane, end = (group & kFirstMask) + (group >> kFirstBits) + 1u;
     // Collected as bits, so that one atomicAdd makes room for all clusters that this invocation finds.
     uint reaching = 0;
-    uint c = first, bit = 1u;
-    if (c < end) {
-      do {
-        if (boxReaches(tile, view, fourOf(Clusters, c).xyz)) reaching |= bit;
-        c += WORKGROUP;
-        bit <<= 1;
-      } while (c < end);
+    for (uint c = first, bit = 1u; c < end; c += WORKGROUP, bit <<= 1) {
+      if (boxReaches(tile, view, fourOf(Clusters, c).xyz)) reaching |= bit;
     }
     if (reaching == 0) continue;
     uint at = atomicAdd(num_listed_clusters, uint(bitCount(reaching)));
-    do {
-      cluster_list[at++] = first + uint(findLSB(reaching)) * WORKGROUP;
-      reaching &= reaching - 1u;
-    } while (reaching != 0);
+    for (; reaching != 0; reaching &= reaching - 1u) cluster_list[at++] = first + uint(findLSB(reaching)) * WORKGROUP;
   }
   workgroupBarrier();
   countIterations(num_listed_groups * kClustersPerGroup);

@@ -49,7 +49,7 @@ void rasterBySamples(Tile tile, MeshView view, Vertex p, Vertex q, Vertex r, Ver
   int address = first.x * stride + first.y, row_end = address + steps.y, last_address = last.x * stride + last.y;
   int wrap_address = stride - steps.y;
   bool any_visible = false;
-  do {
+  while (address <= last_address) {
     int pq = area_p - qr - rp, sr = area_s - qs + qr;
     bool outside_p = ((((qr + mask_p) ^ mask_p) | ((rp + mask_p) ^ mask_p) | ((pq + mask_p) ^ mask_p)) < 0);
     bool outside_s = ((((mask_s - qr) ^ mask_s) | ((qs + mask_s) ^ mask_s) | ((sr + mask_s) ^ mask_s)) < 0);
@@ -68,7 +68,7 @@ void rasterBySamples(Tile tile, MeshView view, Vertex p, Vertex q, Vertex r, Ver
     qs += wraps ? wrap_qs : along_qs.x;
     row_end += wraps ? stride : 0;
     address += wraps ? wrap_address : 1;
-  } while (address <= last_address);
+  }
   if (any_visible) grow(found.samples, Box(first, last));
   checkLoop(address <= last_address);
 }
@@ -174,12 +174,10 @@ void visitQuads(Tile tile, MeshView view, bool is_candidate, uint first, uint co
   if ((TRIANGLE_SIZES & kSums) != 0) addQuads(tile, view, is_candidate, first, view.closed ? count : 0u, found);
   if ((TRIANGLE_SIZES & ~kSums) == 0) return;
   uint i = gl_LocalInvocationIndex, end = view.closed ? 0u : count;
-  if (i < end) {
-    do {
-      drawQuad(tile, view, quadNumbered(i, is_candidate, first), found);
-      i += WORKGROUP;
-    } while (i < end);
-  }
+  do {
+    if (i < end) drawQuad(tile, view, quadNumbered(i, is_candidate, first), found);
+    i += WORKGROUP;
+  } while (i - gl_LocalInvocationIndex < end);
   checkLoop(i < end);
 }
 

@@ -18,11 +18,13 @@ float initialShift(Window window, Drive drive) {
       vec2 sums = vec2(0);
       uint k = v;
       do {
-        vec4 target = readStrip(window, kLayerTarget, stripAt(window, k));
-        vec4 pressed = whereAbove(target, -shift);
-        sums += vec2(sumOf(pressed * (target + shift)), sumOf(pressed));
+        if (k < window.num_strips) {
+          vec4 target = readStrip(window, kLayerTarget, stripAt(window, k));
+          vec4 pressed = whereAbove(target, -shift);
+          sums += vec2(sumOf(pressed * (target + shift)), sumOf(pressed));
+        }
         k += LANES;
-      } while (k < window.num_strips);
+      } while (k - v < window.num_strips);
       checkLoop(k < window.num_strips);
       partial[v] = vec4(sums, 0, 0);
       v += WORKGROUP;
@@ -43,13 +45,15 @@ bool previousPressuresFit(Window window, float shift, Drive drive) {
     vec2 sums = vec2(0);
     uint k = v;
     do {
-      uvec2 at = stripAt(window, k);
-      vec4 target = readStrip(window, kLayerTarget, at);
-      vec4 p = readStrip(window, kLayerPressure, at) * whereAbove(target, kNoTarget);
-      writeStrip(window, kLayerPressure, at, p);
-      sums += vec2(workOf(p, target), sumOf(p));
+      if (k < window.num_strips) {
+        uvec2 at = stripAt(window, k);
+        vec4 target = readStrip(window, kLayerTarget, at);
+        vec4 p = readStrip(window, kLayerPressure, at) * whereAbove(target, kNoTarget);
+        writeStrip(window, kLayerPressure, at, p);
+        sums += vec2(workOf(p, target), sumOf(p));
+      }
       k += LANES;
-    } while (k < window.num_strips);
+    } while (k - v < window.num_strips);
     checkLoop(k < window.num_strips);
     partial[v] = vec4(sums, 0, 0);
     v += WORKGROUP;
@@ -67,12 +71,14 @@ vec4 displaceByPressures(Window window) {
     vec4 sums = vec4(0);
     uint k = v;
     do {
-      uvec2 at = stripAt(window, k);
-      vec4 p = readStrip(window, kLayerPressure, at), displacement = displacementAt(window, at, kLayerPressure);
-      writeStrip(window, kLayerProduct, at, displacement);
-      sums += vec4(workOf(p, readStrip(window, kLayerTarget, at)), dot(p, displacement), sumOf(p), 0);
+      if (k < window.num_strips) {
+        uvec2 at = stripAt(window, k);
+        vec4 p = readStrip(window, kLayerPressure, at), displacement = displacementAt(window, at, kLayerPressure);
+        writeStrip(window, kLayerProduct, at, displacement);
+        sums += vec4(workOf(p, readStrip(window, kLayerTarget, at)), dot(p, displacement), sumOf(p), 0);
+      }
       k += LANES;
-    } while (k < window.num_strips);
+    } while (k - v < window.num_strips);
     checkLoop(k < window.num_strips);
     partial[v] = sums;
     v += WORKGROUP;
@@ -90,15 +96,17 @@ void initializePressures(Window window, float shift, Drive drive) {
   if (v < window.num_parts) do {
     uint k = v;
     do {
-      uvec2 at = stripAt(window, k);
-      vec4 target = readStrip(window, kLayerTarget, at);
-      vec4 p = readStrip(window, kLayerPressure, at);
-      if (!warm) p = weighted(window, at, max(target + above, 0.0));
-      writeStrip(window, kLayerPressure, at, p);
-      writeStrip(window, kLayerDirection, at, vec4(0));
-      if (largestOf(p) > 0.0) addSource(at);
+      if (k < window.num_strips) {
+        uvec2 at = stripAt(window, k);
+        vec4 target = readStrip(window, kLayerTarget, at);
+        vec4 p = readStrip(window, kLayerPressure, at);
+        if (!warm) p = weighted(window, at, max(target + above, 0.0));
+        writeStrip(window, kLayerPressure, at, p);
+        writeStrip(window, kLayerDirection, at, vec4(0));
+        if (largestOf(p) > 0.0) addSource(at);
+      }
       k += LANES;
-    } while (k < window.num_strips);
+    } while (k - v < window.num_strips);
     checkLoop(k < window.num_strips);
     v += WORKGROUP;
   } while (WORKGROUP < LANES && v < window.num_parts);

@@ -95,9 +95,9 @@ vec2 storeCellRates(Surface surface, Window window, float shift, vec3 v, vec3 w)
     vec2 moved = vec2(0);
     uint k = part;
     do {
-      moved += storeCellRates(surface, window, stripAt(window, k), shift, v, w);
+      if (k < window.num_strips) moved += storeCellRates(surface, window, stripAt(window, k), shift, v, w);
       k += LANES;
-    } while (k < window.num_strips);
+    } while (k - part < window.num_strips);
     checkLoop(k < window.num_strips);
     partial[part] = vec4(moved, 0, 0);
     part += WORKGROUP;
@@ -129,15 +129,17 @@ float beginRates(Surface surface, Window window, float shift, vec3 v, vec3 w) {
     float squares = 0.0;
     uint k = part;
     do {
-      uvec2 at = stripAt(window, k);
-      vec4 pressed = pressedOver(window, at), rate = vec4(0);
-      for (uint c = 0; c < kStrip; ++c) {
-        if (pressed[c] > 0.0) rate[c] = residualRate(surface, window, uvec2(at.x, at.y + c), shift, v, w);
+      if (k < window.num_strips) {
+        uvec2 at = stripAt(window, k);
+        vec4 pressed = pressedOver(window, at), rate = vec4(0);
+        for (uint c = 0; c < kStrip; ++c) {
+          if (pressed[c] > 0.0) rate[c] = residualRate(surface, window, uvec2(at.x, at.y + c), shift, v, w);
+        }
+        writeStrip(window, kLayerResidual, at, rate);
+        squares += dot(rate, weighted(window, at, rate));
       }
-      writeStrip(window, kLayerResidual, at, rate);
-      squares += dot(rate, weighted(window, at, rate));
       k += LANES;
-    } while (k < window.num_strips);
+    } while (k - part < window.num_strips);
     checkLoop(k < window.num_strips);
     partial[part] = vec4(squares, 0, 0, 0);
     part += WORKGROUP;
@@ -162,12 +164,14 @@ float applyToRates(Window window) {
     float curvature = 0.0;
     uint k = part;
     do {
-      uvec2 at = stripAt(window, k);
-      vec4 q = displacementAt(window, at, kLayerDirection) * pressedOver(window, at);
-      writeStrip(window, kLayerProduct, at, q);
-      curvature += dot(q, readStrip(window, kLayerDirection, at));
+      if (k < window.num_strips) {
+        uvec2 at = stripAt(window, k);
+        vec4 q = displacementAt(window, at, kLayerDirection) * pressedOver(window, at);
+        writeStrip(window, kLayerProduct, at, q);
+        curvature += dot(q, readStrip(window, kLayerDirection, at));
+      }
       k += LANES;
-    } while (k < window.num_strips);
+    } while (k - part < window.num_strips);
     checkLoop(k < window.num_strips);
     partial[part] = vec4(curvature, 0, 0, 0);
     part += WORKGROUP;
@@ -184,13 +188,15 @@ float stepRates(Window window, float squared_residual) {
     float squares = 0.0;
     uint k = part;
     do {
-      uvec2 at = stripAt(window, k);
-      vec4 residual = readStrip(window, kLayerResidual, at) - readStrip(window, kLayerProduct, at) * step_length;
-      writeStrip(window, kLayerTarget, at, readStrip(window, kLayerTarget, at) + readStrip(window, kLayerDirection, at) * step_length);
-      writeStrip(window, kLayerResidual, at, residual);
-      squares += dot(residual, weighted(window, at, residual));
+      if (k < window.num_strips) {
+        uvec2 at = stripAt(window, k);
+        vec4 residual = readStrip(window, kLayerResidual, at) - readStrip(window, kLayerProduct, at) * step_length;
+        writeStrip(window, kLayerTarget, at, readStrip(window, kLayerTarget, at) + readStrip(window, kLayerDirection, at) * step_length);
+        writeStrip(window, kLayerResidual, at, residual);
+        squares += dot(residual, weighted(window, at, residual));
+      }
       k += LANES;
-    } while (k < window.num_strips);
+    } while (k - part < window.num_strips);
     checkLoop(k < window.num_strips);
     partial[part] = vec4(squares, 0, 0, 0);
     part += WORKGROUP;
@@ -217,16 +223,18 @@ void writeWrenchJacobian(uint instance, Surface surface, Window window, uint c, 
     vec3 sums = vec3(0);  // changes of pressure, these times x and y of P
     uint k = part;
     do {
-      uvec2 at = stripAt(window, k);
-      vec4 change = readStrip(window, kLayerTarget, at);
-      float x = nodePosition(at).x;
-      sums += vec3(sumOf(change), sumOf(change) * x, dot(change, columnPositions(at)));
-      if (AREA) {
-        StripCells cells = cellsOver(surface, at);
-        sums.yz += vec2(dot(change, cells.x), dot(change, cells.y));
+      if (k < window.num_strips) {
+        uvec2 at = stripAt(window, k);
+        vec4 change = readStrip(window, kLayerTarget, at);
+        float x = nodePosition(at).x;
+        sums += vec3(sumOf(change), sumOf(change) * x, dot(change, columnPositions(at)));
+        if (AREA) {
+          StripCells cells = cellsOver(surface, at);
+          sums.yz += vec2(dot(change, cells.x), dot(change, cells.y));
+        }
       }
       k += LANES;
-    } while (k < window.num_strips);
+    } while (k - part < window.num_strips);
     checkLoop(k < window.num_strips);
     partial[part] = vec4(sums, 0);
     part += WORKGROUP;

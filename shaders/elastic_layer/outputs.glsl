@@ -55,19 +55,21 @@ vec4 sumPressures(Surface surface, Window window, float shift) {
     float deep = 0.0;
     uint k = v;
     do {
-      uvec2 at = stripAt(window, k);
-      vec4 p = readStrip(window, kLayerPressure, at), overlap = readStrip(window, kLayerTarget, at), on_taxels = onTaxels(at);
-      if (RELAXATION > 0) overlap = overlapsOver(surface, at);
-      float sum = sumOf(p), x = nodePosition(at).x;
-      sums += vec4(sum, sum * x, dot(p, columnPositions(at)), dot(p, on_taxels));
-      if (AREA) {
-        StripCells cells = cellsOver(surface, at);
-        sums.yz += vec2(dot(p, cells.x), dot(p, cells.y));
-        on_taxels *= whereAbove(cells.share, kLeastShareOfFull);
+      if (k < window.num_strips) {
+        uvec2 at = stripAt(window, k);
+        vec4 p = readStrip(window, kLayerPressure, at), overlap = readStrip(window, kLayerTarget, at), on_taxels = onTaxels(at);
+        if (RELAXATION > 0) overlap = overlapsOver(surface, at);
+        float sum = sumOf(p), x = nodePosition(at).x;
+        sums += vec4(sum, sum * x, dot(p, columnPositions(at)), dot(p, on_taxels));
+        if (AREA) {
+          StripCells cells = cellsOver(surface, at);
+          sums.yz += vec2(dot(p, cells.x), dot(p, cells.y));
+          on_taxels *= whereAbove(cells.share, kLeastShareOfFull);
+        }
+        deep += dot(on_taxels, whereAbove(overlap + shift, AREA ? kFullDepth : 0.9999999));
       }
-      deep += dot(on_taxels, whereAbove(overlap + shift, AREA ? kFullDepth : 0.9999999));
       k += LANES;
-    } while (k < window.num_strips);
+    } while (k - v < window.num_strips);
     checkLoop(k < window.num_strips);
     partial[v] = sums;
     if (deep > 0.0) atomicAdd(num_deep, uint(deep));

@@ -47,18 +47,20 @@ float lowerTargetsByDents(SkinStep step, Window window) {
     float deepest = kNoTarget;
     uint k = v;
     do {
-      uvec2 at = stripAt(window, k);
-      // kNoTarget is so large that the difference rounds to it.
-      vec4 target = readStrip(window, kLayerTarget, at) - displacementAt(window, at, kLayerDirection);
-      if (AREA && !step.is_new) {
-        // The displacement has the compliances of what is covered now.
-        vec4 other = dentCompliance(window, at) - readStrip(window, kLayerCompliance, at);
-        target -= other * readStrip(window, kLayerDirection, at);
+      if (k < window.num_strips) {
+        uvec2 at = stripAt(window, k);
+        // kNoTarget is so large that the difference rounds to it.
+        vec4 target = readStrip(window, kLayerTarget, at) - displacementAt(window, at, kLayerDirection);
+        if (AREA && !step.is_new) {
+          // The displacement has the compliances of what is covered now.
+          vec4 other = dentCompliance(window, at) - readStrip(window, kLayerCompliance, at);
+          target -= other * readStrip(window, kLayerDirection, at);
+        }
+        writeStrip(window, kLayerTarget, at, target);
+        deepest = max(deepest, largestOf(target));
       }
-      writeStrip(window, kLayerTarget, at, target);
-      deepest = max(deepest, largestOf(target));
       k += LANES;
-    } while (k < window.num_strips);
+    } while (k - v < window.num_strips);
     checkLoop(k < window.num_strips);
     partial[v] = vec4(deepest);
     v += WORKGROUP;

@@ -32,25 +32,27 @@ void updateResidual(Window window, Drive drive, float factor, inout Solution fou
     vec4 sums = vec4(0);  // over the nodes in contact: r, its square, their number; squares of penetrations elsewhere
     uint k = v;
     do {
-      uvec2 at = stripAt(window, k);
-      vec4 p = readStrip(window, kLayerPressure, at);
-      vec4 residual = readStrip(window, kLayerResidual, at) + displacementAt(window, at, kLayerProduct);
-      if (LOADS) {
-        vec4 target = readStrip(window, kLayerTarget, at);
-        p *= factor;
-        // Unchanged for a factor of 1: an instance that is driven by its pose must not depend on others of the batch that are driven by load.
-        if (factor != 1.0) residual = (residual + target) * factor - target;
-        writeStrip(window, kLayerPressure, at, p);
+      if (k < window.num_strips) {
+        uvec2 at = stripAt(window, k);
+        vec4 p = readStrip(window, kLayerPressure, at);
+        vec4 residual = readStrip(window, kLayerResidual, at) + displacementAt(window, at, kLayerProduct);
+        if (LOADS) {
+          vec4 target = readStrip(window, kLayerTarget, at);
+          p *= factor;
+          // Unchanged for a factor of 1: an instance that is driven by its pose must not depend on others of the batch that are driven by load.
+          if (factor != 1.0) residual = (residual + target) * factor - target;
+          writeStrip(window, kLayerPressure, at, p);
+        }
+        writeStrip(window, kLayerResidual, at, residual);
+        residual -= found.shift;
+        vec4 pressed = whereAbove(p, 0.0);
+        vec4 inside = residual * pressed;
+        vec4 outside = min(residual, 0.0) * (1.0 - pressed);
+        vec4 step_inside = weighted(window, at, inside);
+        sums += vec4(sumOf(step_inside), dot(inside, step_inside), sumOf(weighted(window, at, pressed)), dot(outside, weighted(window, at, outside)));
       }
-      writeStrip(window, kLayerResidual, at, residual);
-      residual -= found.shift;
-      vec4 pressed = whereAbove(p, 0.0);
-      vec4 inside = residual * pressed;
-      vec4 outside = min(residual, 0.0) * (1.0 - pressed);
-      vec4 step_inside = weighted(window, at, inside);
-      sums += vec4(sumOf(step_inside), dot(inside, step_inside), sumOf(weighted(window, at, pressed)), dot(outside, weighted(window, at, outside)));
       k += LANES;
-    } while (k < window.num_strips);
+    } while (k - v < window.num_strips);
     checkLoop(k < window.num_strips);
     partial[v] = sums;
     v += WORKGROUP;
@@ -71,15 +73,17 @@ void updateDirection(Window window, float shift, float beta) {
     float descent = 0.0;
     uint k = v;
     do {
-      uvec2 at = stripAt(window, k);
-      vec4 pressed = whereAbove(readStrip(window, kLayerPressure, at), 0.0);
-      if (sumOf(pressed) > 0.0) addSource(at);
-      vec4 residual = pressed * (readStrip(window, kLayerResidual, at) - shift);
-      vec4 t = weighted(window, at, residual) + pressed * readStrip(window, kLayerDirection, at) * beta;
-      writeStrip(window, kLayerDirection, at, t);
-      descent += dot(residual, t);
+      if (k < window.num_strips) {
+        uvec2 at = stripAt(window, k);
+        vec4 pressed = whereAbove(readStrip(window, kLayerPressure, at), 0.0);
+        if (sumOf(pressed) > 0.0) addSource(at);
+        vec4 residual = pressed * (readStrip(window, kLayerResidual, at) - shift);
+        vec4 t = weighted(window, at, residual) + pressed * readStrip(window, kLayerDirection, at) * beta;
+        writeStrip(window, kLayerDirection, at, t);
+        descent += dot(residual, t);
+      }
       k += LANES;
-    } while (k < window.num_strips);
+    } while (k - v < window.num_strips);
     checkLoop(k < window.num_strips);
     partial[v] = vec4(descent, 0, 0, 0);
     v += WORKGROUP;
@@ -93,17 +97,19 @@ float applyToDirection(Window window, Drive drive, float num_pressed) {
     vec4 sums = vec4(partial[v].x, 0, 0, 0);  // r times t; then over the nodes in contact q times t, q, t
     uint k = v;
     do {
-      uvec2 at = stripAt(window, k);
-      vec4 q = displacementAt(window, at, kLayerDirection);
-      writeStrip(window, kLayerProduct, at, q);
-      vec4 t = readStrip(window, kLayerDirection, at);
-      sums.y += dot(q, t);
-      if (LOADS && drive.by_load) {
-        sums.z += sumOf(weighted(window, at, q * whereAbove(readStrip(window, kLayerPressure, at), 0.0)));
-        sums.w += sumOf(t);
+      if (k < window.num_strips) {
+        uvec2 at = stripAt(window, k);
+        vec4 q = displacementAt(window, at, kLayerDirection);
+        writeStrip(window, kLayerProduct, at, q);
+        vec4 t = readStrip(window, kLayerDirection, at);
+        sums.y += dot(q, t);
+        if (LOADS && drive.by_load) {
+          sums.z += sumOf(weighted(window, at, q * whereAbove(readStrip(window, kLayerPressure, at), 0.0)));
+          sums.w += sumOf(t);
+        }
       }
       k += LANES;
-    } while (k < window.num_strips);
+    } while (k - v < window.num_strips);
     checkLoop(k < window.num_strips);
     partial[v] = sums;
     v += WORKGROUP;
@@ -124,20 +130,22 @@ vec2 takeStep(Window window, float shift, float step_length) {
     vec2 sums = vec2(0);
     uint k = v;
     do {
-      uvec2 at = stripAt(window, k);
-      vec4 unshifted = readStrip(window, kLayerResidual, at), residual = unshifted - shift;
-      vec4 plain = readStrip(window, kLayerPressure, at) - readStrip(window, kLayerDirection, at) * step_length;
-      vec4 entering = (1.0 - whereAbove(plain, 0.0)) * max(-residual, 0.0);
-      entering = weighted(window, at, entering);
-      vec4 p = max(plain, 0.0) + press * entering;
-      vec4 change = p - plain;
-      if (largestOf(change) > 0.0) addSource(at);
-      writeStrip(window, kLayerPressure, at, p);
-      writeStrip(window, kLayerResidual, at, unshifted - readStrip(window, kLayerProduct, at) * step_length);
-      writeStrip(window, kLayerProduct, at, change);
-      sums += vec2(sumOf(p), sumOf(entering));
+      if (k < window.num_strips) {
+        uvec2 at = stripAt(window, k);
+        vec4 unshifted = readStrip(window, kLayerResidual, at), residual = unshifted - shift;
+        vec4 plain = readStrip(window, kLayerPressure, at) - readStrip(window, kLayerDirection, at) * step_length;
+        vec4 entering = (1.0 - whereAbove(plain, 0.0)) * max(-residual, 0.0);
+        entering = weighted(window, at, entering);
+        vec4 p = max(plain, 0.0) + press * entering;
+        vec4 change = p - plain;
+        if (largestOf(change) > 0.0) addSource(at);
+        writeStrip(window, kLayerPressure, at, p);
+        writeStrip(window, kLayerResidual, at, unshifted - readStrip(window, kLayerProduct, at) * step_length);
+        writeStrip(window, kLayerProduct, at, change);
+        sums += vec2(sumOf(p), sumOf(entering));
+      }
       k += LANES;
-    } while (k < window.num_strips);
+    } while (k - v < window.num_strips);
     checkLoop(k < window.num_strips);
     partial[v] = vec4(sums, 0, 0);
     v += WORKGROUP;

@@ -60,9 +60,9 @@ float lowestHeight(Surface surface, Window window) {
     float highest = -kMiss;
     uint k = v;
     do {
-      highest = max(highest, largestOf(-heightsOver(surface, stripAt(window, k))));
+      if (k < window.num_strips) highest = max(highest, largestOf(-heightsOver(surface, stripAt(window, k))));
       k += LANES;
-    } while (k < window.num_strips);
+    } while (k - v < window.num_strips);
     checkLoop(k < window.num_strips);
     partial[v] = vec4(highest);
     v += WORKGROUP;

@@ -110,10 +110,12 @@ PartSums sumPart(uint kinds, Part part, vec3 middle, float force, Ridge ridge) {
   do {
     PartSums sums = noSums();
     uint four = part.first / 4u + v;
-    if (4u * four < part.end) do {
-      addFour(kinds, part, four, middle, force, ridge, sums);
+    // The parts of one patch have the same range.
+    while (kOnePatch || 4u * four < part.end) {
+      if (4u * four < part.end) addFour(kinds, part, four, middle, force, ridge, sums);
       four += LANES;
-    } while (4u * four < part.end);
+      if (kOnePatch && 4u * four >= NUM_TAXELS) break;
+    }
     checkLoop(4u * four < part.end);
     if (TEAM == 1) {
       addSums(kinds, total, sums);

@@ -81,8 +81,8 @@ void readRows(Instance instance, Kernel kernel, Lag lag, uint i, uvec2 seed, ino
   uvec2 at = uvec2(instance.window.first.x + i, instance.window.first.y);
   Columns columns;
   if (kSliding) startColumns(instance.first_taxel, instance.window, ivec2(at), columns);
-  uint end = at.y + instance.window.count.y;
-  do {
+  uint j = 0;
+  for (; j < instance.window.count.y; ++j, ++at.y) {
     uint t = at.x * kCols + at.y;
     if (!kOnePatch && t >= NUM_TAXELS) continue;
     Spread spread;
@@ -98,8 +98,8 @@ void readRows(Instance instance, Kernel kernel, Lag lag, uint i, uvec2 seed, ino
     if (kRowsAtOnce > 1 && i + 1 < instance.window.count.x) {
       readTaxel(instance, lag, t + kCols, at + uvec2(1, 0), spreadSliding(kernel, columns, 1), seed, next_row);
     }
-  } while (++at.y < end);
-  checkLoop(at.y < end);
+  }
+  checkLoop(j < instance.window.count.y);
   addSums(sums, row);
   addSums(next_sums, next_row);
 }

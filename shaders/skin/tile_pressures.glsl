@@ -356,14 +356,14 @@ void pressTaxels(Tile tile, TileStep step, ActiveTaxels taxels, inout Found foun
     vec3 change[6] = vec3[6](vec3(0), vec3(0), vec3(0), vec3(0), vec3(0), vec3(0));
     uint touched = kSkipsTaxels ? touchedTaxels(tile, step.state, v, taxels.first, taxels.count, step.first_taxel, step.part) : 0;
     uint k = kSkipsTaxels ? nextTouched(touched, v) : v;
-    if (k < num_active) do {
+    while (k < num_active) {
       uvec2 in_tile = taxels.first + cellNumbered(k, taxels.count.y);
       Cell cell = noCell();
       TaxelSums sums = pressTaxel(tile, step, in_tile, found, cell, change);
       deep += sums.deep;
       writeTaxel(tile, step.instance, in_tile + tile.first_taxel, sums, cell, wrench, lane_shear);
       k = kSkipsTaxels ? nextTouched(touched, v) : k + LANES;
-    } while (k < num_active);
+    }
     checkLoop(k < num_active);
     partial[v] = wrench;
     if (kShears) partial_shear[v] = lane_shear;

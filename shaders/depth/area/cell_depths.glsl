@@ -166,12 +166,14 @@ void takeCells(Tile tile, Box box, uint slot, inout Found found) {
   if (!isAny(box)) return;
   uint num_cols = uint(box.last.y - box.first.y + 1), count = uint(box.last.x - box.first.x + 1) * num_cols;
   uint i = gl_LocalInvocationIndex;
-  if (i < count) do {
-    uvec2 at = uvec2(box.first) + cellNumbered(i, num_cols);
-    uint address = at.x * tile.stride + at.y;
-    CellSums sums = takeSums(tile, address);
-    if (sums.volume != 0.0 || sums.covered != 0.0) giveCell(tile, address, slot, sums, found);
+  do {
+    if (i < count) {
+      uvec2 at = uvec2(box.first) + cellNumbered(i, num_cols);
+      uint address = at.x * tile.stride + at.y;
+      CellSums sums = takeSums(tile, address);
+      if (sums.volume != 0.0 || sums.covered != 0.0) giveCell(tile, address, slot, sums, found);
+    }
     i += WORKGROUP;
-  } while (i < count);
+  } while (i - gl_LocalInvocationIndex < count);
   workgroupBarrier();
 }

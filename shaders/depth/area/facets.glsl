@@ -238,17 +238,17 @@ void addQuads(Tile tile, MeshView view, bool is_candidate, uint first, uint coun
     workgroupBarrier();
     uint end = min(start + kQuadsPerChunk, count);
     uint i = start + gl_LocalInvocationIndex;
-    if (i < end) do {
-      listFacets(tile, view, quadNumbered(i, is_candidate, first), found);
+    do {
+      if (i < end) listFacets(tile, view, quadNumbered(i, is_candidate, first), found);
       i += WORKGROUP;
-    } while (i < end);
+    } while (i - gl_LocalInvocationIndex < end);
     workgroupBarrier();
     if ((TRIANGLE_SIZES & kBySums) != 0) {
-      uint f = large ? num_listed_facets : gl_LocalInvocationIndex;
-      if (f < num_listed_facets) do {
-        addFacet(tile, listedFacet(tile, view, f), found);
+      uint end_facet = large ? 0u : num_listed_facets, f = gl_LocalInvocationIndex;
+      do {
+        if (f < end_facet) addFacet(tile, listedFacet(tile, view, f), found);
         f += WORKGROUP;
-      } while (f < num_listed_facets);
+      } while (f - gl_LocalInvocationIndex < end_facet);
     }
     if ((TRIANGLE_SIZES & kByLargeSums) != 0) {
       for (uint f = large ? 0 : num_listed_facets; f < num_listed_facets; ++f) addLargeFacet(tile, listedFacet(tile, view, f), found);

@@ -235,30 +235,34 @@ void addSolid(Tile tile, Solid solid, uint slot, inout Found found) {
     if (gl_LocalInvocationIndex == 0) num_listed_cells = 0;
     workgroupBarrier();
     uint end = min(start + kMostListed, count), i = start + gl_LocalInvocationIndex;
-    if (i < end) do {
-      uvec2 at = cellOf(band, i);
-      bool is_quadratic = quadraticUnder(tile, solid.kind, tube, samplePosition(tile, tile.first + vec2(at)), surface);
-      uint place = placeOf(tile, surface, is_quadratic, deepest), packed = at.x << 16 | at.y;
-      if (place == kInside) {
-        giveCell(tile, at.x * tile.stride + at.y, slot, integralInside(surface, tile.spacing), found);
-      }
-      if (place >= kEdge) {
-        uint before = atomicAdd(num_listed_cells, place == kEdge ? kOneEdge : kOneScanned);
-        listed_cells[place == kEdge ? before % kOneScanned : kMostListed - 1u - before / kOneScanned] = packed;
+    do {
+      if (i < end) {
+        uvec2 at = cellOf(band, i);
+        bool is_quadratic = quadraticUnder(tile, solid.kind, tube, samplePosition(tile, tile.first + vec2(at)), surface);
+        uint place = placeOf(tile, surface, is_quadratic, deepest), packed = at.x << 16 | at.y;
+        if (place == kInside) {
+          giveCell(tile, at.x * tile.stride + at.y, slot, integralInside(surface, tile.spacing), found);
+        }
+        if (place >= kEdge) {
+          uint before = atomicAdd(num_listed_cells, place == kEdge ? kOneEdge : kOneScanned);
+          listed_cells[place == kEdge ? before % kOneScanned : kMostListed - 1u - before / kOneScanned] = packed;
+        }
       }
       i += WORKGROUP;
-    } while (i < end);
+    } while (i - gl_LocalInvocationIndex < end);
     checkLoop(i < end);
     workgroupBarrier();
     uint num_edge_cells = num_listed_cells % kOneScanned, num_scan_cells = num_listed_cells / kOneScanned;
     i = gl_LocalInvocationIndex;
-    if (i < num_edge_cells) do {
-      uvec2 at = uvec2(listed_cells[i] >> 16, listed_cells[i] & 0xFFFFu);
-      bool is_quadratic = quadraticUnder(tile, solid.kind, tube, samplePosition(tile, tile.first + vec2(at)), surface);
-      placeOf(tile, surface, is_quadratic, deepest);
-      giveCell(tile, at.x * tile.stride + at.y, slot, integralOf(surface, 0.5 * tile.spacing, deepest), found);
+    do {
+      if (i < num_edge_cells) {
+        uvec2 at = uvec2(listed_cells[i] >> 16, listed_cells[i] & 0xFFFFu);
+        bool is_quadratic = quadraticUnder(tile, solid.kind, tube, samplePosition(tile, tile.first + vec2(at)), surface);
+        placeOf(tile, surface, is_quadratic, deepest);
+        giveCell(tile, at.x * tile.stride + at.y, slot, integralOf(surface, 0.5 * tile.spacing, deepest), found);
+      }
       i += WORKGROUP;
-    } while (i < num_edge_cells);
+    } while (i - gl_LocalInvocationIndex < num_edge_cells);
     checkLoop(i < num_edge_cells);
     i = gl_LocalInvocationIndex;
     for (; i < num_scan_cells; i += WORKGROUP) {
