@@ -9,6 +9,11 @@ vec4 before1(vec4 a, vec4 b) { return vec4(a.w, b.xyz); }
 vec4 before2(vec4 a, vec4 b) { return vec4(a.zw, b.xy); }
 vec4 before3(vec4 a, vec4 b) { return vec4(a.yzw, b.x); }
 
+// Of a strip `x` of sources, with the coefficients from `past` on.
+vec4 productOf(vec4 x, vec4 past, vec4 next) {
+  return x.x * next + x.y * before1(past, next) + x.z * before2(past, next) + x.w * before3(past, next);
+}
+
 // Displacement of the nodes of strip `at` under array `array`, summed over the sources.
 //
 //   coefficient of distance   -4 .. -1    0 .. 3     (result - source, from the distance between the first nodes of the two strips)
@@ -23,12 +28,16 @@ vec4 displacementAt(Window window, uvec2 at, uint array) {
     uint source = stripAddress(window.layer_start, array, uvec2(row, col));
     vec4 next = floatsOfFour(Influence, entry);
     if (col < end) do {
-      --entry;
-      vec4 past = floatsOfFour(Influence, entry), x = uintBitsToFloat(loadFour(LayerStrips, source));
-      ++source;
-      w += x.x * next + x.y * before1(past, next) + x.z * before2(past, next) + x.w * before3(past, next);
-      next = past;
-      col += kStrip;
+      // Two strips of sources: some drivers limit the iterations of loops (driver/loop_limit.glsl).
+      bool is_pair = col + kStrip < end;
+      vec4 past = floatsOfFour(Influence, entry - 1u), before = floatsOfFour(Influence, entry - (is_pair ? 2u : 1u));
+      vec4 x = uintBitsToFloat(loadFour(LayerStrips, source)), y = uintBitsToFloat(loadFour(LayerStrips, source + (is_pair ? 1u : 0u)));
+      if (!is_pair) y = vec4(0);
+      w += productOf(x, past, next) + productOf(y, before, past);
+      next = before;
+      entry -= 2u;
+      source += 2u;
+      col += 2u * kStrip;
     } while (col < end);
     checkLoop(col < end);
   } while (++row < end_row);

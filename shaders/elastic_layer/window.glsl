@@ -70,11 +70,20 @@ void addSource(uvec2 at) { addSources(at.x, at.y, at.y + kStrip); }
 
 // ---- reductions ----
 
-// Sum of the first `count` values of partial[], in a fixed order; every invocation gets it.
+// Sum of the first `count` values of partial[], in a fixed order; every invocation gets it. Many values are first summed in groups.
 vec4 sumOfPartials(uint count) {
+  const uint kGroup = LANES > 16u ? 8u : 1u;
   workgroupBarrierWithBuffers();
+  if (kGroup > 1u) {
+    for (uint first = kGroup * gl_LocalInvocationIndex; first < count; first += kGroup * WORKGROUP) {
+      vec4 sum = vec4(0);
+      for (uint v = first; v < min(first + kGroup, count); ++v) sum += partial[v];
+      partial[first] = sum;
+    }
+    workgroupBarrier();
+  }
   vec4 total = vec4(0);
-  for (uint v = 0; v < count; ++v) total += partial[v];
+  for (uint v = 0; v < count; v += kGroup) total += partial[v];
   workgroupBarrier();
   return total;
 }

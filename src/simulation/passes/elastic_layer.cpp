@@ -10,12 +10,12 @@
 namespace taxelsim {
 namespace {
 
-// Loop iterations that one invocation alone would take: two products of all strips with all others in some of the iterations, the window
-// being a part of them, and, for a skin that relaxes, one product of the strains.
+// Loop iterations that one invocation alone would take: two products of all strips with all pairs of others in some of the iterations, the
+// window being a part of them, and, for a skin that relaxes, one product of the strains.
 std::uint64_t iterationsOf(const Sensor& sensor, const PackedLayer& layer) {
   const std::uint64_t strips = layer.influence.size() / (2 * layout::kStrip);
   const auto solver_iterations = static_cast<std::uint64_t>(std::get<ElasticLayer>(sensor.skin.law).iterations);
-  return strips * strips * ((sensor.skin.relaxation.empty() ? 10 : 20) + solver_iterations) / 10;
+  return strips * strips / 2 * ((sensor.skin.relaxation.empty() ? 10 : 20) + solver_iterations) / 10;
 }
 
 }  // namespace
