@@ -3,12 +3,14 @@
 #extension GL_EXT_control_flow_attributes : require
 // Two-parameter foundation pass: stage 2 (contact law) of one frame for the law `pasternak`, with its load search.
 //
-// A workgroup owns instances, one after another; an invocation owns blocks of nodes. Every frame starts from the object's surface, so that it depends on nothing but the pose.
+// A workgroup owns instances, one after another; an invocation owns blocks of nodes. Every frame starts from the object's surface, so that it depends on nothing
+// but the pose.
 // In:  heights (num_instances x num_nodes), m, and windows (num_instances x NUM_HEIGHT_TILES), from the contact pass, with area sampling node_cells
 //      (num_instances x num_nodes x kNodeCellWords).
 // Out: contact_normal (num_instances x num_taxels), N; contact_depth (num_instances x num_taxels), m; tile_results (num_instances); loads (num_instances).
 // Shared memory: 16 LANES + 12 kNumBlocks + 56 bytes.
-// Deterministic: a sweep of a block writes another array than it reads; blocks that a sweep skips would not change; sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
+// Deterministic: a sweep of a block writes another array than it reads; blocks that a sweep skips would not change; sums run over LANES partial sums in a fixed
+// order, whatever the size of the workgroup.
 // Mutable globals: any_unfinished_loop (driver/loop_limit.glsl).
 // Twins: src/reference/pasternak.cpp, foundation_cells.cpp.
 

@@ -108,7 +108,8 @@ void listBlocks(Window near) {
   workgroupBarrierWithBuffers();
 }
 
-// With AREA stores overlaps and arms of a block, and activates the blocks around its overlaps. Returns where these are, as kChanged... The contact pass has written heights and cells of all nodes.
+// With AREA stores overlaps and arms of a block, and activates the blocks around its overlaps. Returns where these are, as kChanged... The contact pass has
+// written heights and cells of all nodes.
 uint setCutNodes(Surface surface, uvec2 block) {
   uvec2 corner = block * kBlockSize, first = kNodes, last = uvec2(0);
   uint address = columnAddress(kOverlap, block.x * kBlocks.y + block.y, 0);

@@ -5,8 +5,8 @@
 // A link has c = 2 where an outline of the object crosses it, which on average is half-way (src/reference/pasternak.h); with AREA common/cut_links.glsl has c. Beyond the
 // active blocks and beyond the array the surface decays exponentially. Twin: src/reference/pasternak.cpp.
 //
-// An invocation sweeps a block in one pass over its columns, from one array into the other (settled.glsl), and needs nothing that others compute in the same sweep: it moves the
-// red nodes around the block's black ones again. Nodes are red where row plus column is even.
+// An invocation sweeps a block in one pass over its columns, from one array into the other (settled.glsl), and needs nothing that others compute in the same
+// sweep: it moves the red nodes around the block's black ones again. Nodes are red where row plus column is even.
 //
 //          before   q     p     e     o           columns 2n - 3 to 2n + 1 in step n
 //   rows     .      .     .     .     .  -2       read: e and o, rows -2 to 5
