@@ -58,15 +58,12 @@ void clearSources() {
   workgroupBarrierWithBuffers();
 }
 
-// Adds the columns from `first` on.
-void addSources(uint row, uint first, uint end) {
-  atomicMin(source_first[row], first);
-  atomicMax(source_end[row], end);
-  atomicMin(source_rows[0], row);
-  atomicMax(source_rows[1], row + 1u);
+void addSource(uvec2 at) {
+  atomicMin(source_first[at.x], at.y);
+  atomicMax(source_end[at.x], at.y + kStrip);
+  atomicMin(source_rows[0], at.x);
+  atomicMax(source_rows[1], at.x + 1u);
 }
-
-void addSource(uvec2 at) { addSources(at.x, at.y, at.y + kStrip); }
 
 // ---- reductions ----
 

@@ -153,7 +153,7 @@ const bool kUnrollsRows = (uint(kHasStates) | uint(OUTPUT_JACOBIAN)) != 0u;
 const uint kSamplesAtOnce = kUnrollsRows ? 4u : 1u;  // of a row
 // The code of four samples exceeds a processor's cache for instructions.
 const uint kUnrolledSamples = kUnrollsRows ? 2u : 1u;
-const uint kUnrolledRows = kUnrollsRows ? 1u : 2u;
+const uint kUnrolledRows = kUnrollsRows ? 1u : 2u;  // four are slower on Mesa 25
 
 // Words of the samples of a taxel's row and of the rows before and after it, as in the tile; kEmpty where there is no sample or no surface.
 struct RowWords {
@@ -261,64 +261,64 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
   uint first_row = 0;
   do {
     [[unroll]] for (uint n = 0; n < kUnrolledRows; ++n) {
-    uint a = first_row + n;
-    if (kUnrolledRows > 1u && a >= SAMPLES) break;
-    float x = samplePosition(tile, first_sample + vec2(a, 0)).x;
-    if (!usesTile() && !keepsRows() && kOnlyPolyhedra) startRow(x);
-    rows.before = rows.here;
-    rows.here = rows.after;
-    if (keepsRows()) rows.after = wordsOfRow(tile, step, base, first_sample, a + 1u, found);
-    CellRow row = noCellRow();
-    for (uint first = 0; first < SAMPLES; first += kSamplesAtOnce) {
-      uint states_at = statesOf(tile, step.state, in_tile, a, first / 4u);
-      SkinStates skin_states;
-      ShearStates shear_states;
-      uvec4 depths;
-      if (RELAXATION > 0) skin_states = readSkin(states_at);
-      if (kShears) shear_states = readShears(states_at, touched);
-      if (HAS_STATE) depths = mix(uvec4(0), fourOf(PastState, states_at + kDepthState), bvec4(touched));
-      for (uint part = 0; part < kSamplesAtOnce; part += kUnrolledSamples) [[unroll]] for (uint k = 0; k < kUnrolledSamples; ++k) {
-        uint i = part + k, b = first + i;
-        if (kUnrollsRows && b >= SAMPLES) break;
-        uint address = (base.x + a) * tile.stride + base.y + b;
-        vec2 position = vec2(x, samplePosition(tile, first_sample + vec2(0, b)).y);
-        uint word = component(rows.here, b);
-        float height = withoutSlot(word);
-        if (!keepsRows()) height = sampleHeight(tile, step, address, position, found, word);
-        if (kWritesCells) writeNodeCell(step.first_taxel + in_patch.x * tile.grid.y + in_patch.y, -cellOffset(tile) - depthOfWord(word), word, address);
-        if (kGlobalSolve) {
-          force = height >= kMiss ? kMiss : uintBitsToFloat(withSlot(tile.z_base - tile.level + height, slotOf(word)));
-          continue;
+      uint a = first_row + n;
+      if (kUnrolledRows > 1u && a >= SAMPLES) break;
+      float x = samplePosition(tile, first_sample + vec2(a, 0)).x;
+      if (!usesTile() && !keepsRows() && kOnlyPolyhedra) startRow(x);
+      rows.before = rows.here;
+      rows.here = rows.after;
+      if (keepsRows()) rows.after = wordsOfRow(tile, step, base, first_sample, a + 1u, found);
+      CellRow row = noCellRow();
+      for (uint first = 0; first < SAMPLES; first += kSamplesAtOnce) {
+        uint states_at = statesOf(tile, step.state, in_tile, a, first / 4u);
+        SkinStates skin_states;
+        ShearStates shear_states;
+        uvec4 depths;
+        if (RELAXATION > 0) skin_states = readSkin(states_at);
+        if (kShears) shear_states = readShears(states_at, touched);
+        if (HAS_STATE) depths = mix(uvec4(0), fourOf(PastState, states_at + kDepthState), bvec4(touched));
+        for (uint part = 0; part < kSamplesAtOnce; part += kUnrolledSamples) [[unroll]] for (uint k = 0; k < kUnrolledSamples; ++k) {
+          uint i = part + k, b = first + i;
+          if (kUnrollsRows && b >= SAMPLES) break;
+          uint address = (base.x + a) * tile.stride + base.y + b;
+          vec2 position = vec2(x, samplePosition(tile, first_sample + vec2(0, b)).y);
+          uint word = component(rows.here, b);
+          float height = withoutSlot(word);
+          if (!keepsRows()) height = sampleHeight(tile, step, address, position, found, word);
+          if (kWritesCells) writeNodeCell(step.first_taxel + in_patch.x * tile.grid.y + in_patch.y, -cellOffset(tile) - depthOfWord(word), word, address);
+          if (kGlobalSolve) {
+            force = height >= kMiss ? kMiss : uintBitsToFloat(withSlot(tile.z_base - tile.level + height, slotOf(word)));
+            continue;
+          }
+          float d = clamp(step.load_driven ? step.found.depth - (height - step.found.lowest) : THICKNESS - height, 0.0, THICKNESS);
+          if (AREA) d = depthOfWord(word);
+          float d_rate = HAS_STATE ? depthRate(step, depths, i, d) : 0.0;
+          float share = keepsShares() ? uintBitsToFloat(cell_shares[address]) : 1.0;
+          deep += d >= THICKNESS || share < 0.0 ? 1u : 0u;
+          CellPoints points;
+          if (VARIATION) points = cellPoints(tile, d / abs(share), abs(share), cell_variations[address]);
+          bool is_uneven = VARIATION && LAW_1 != 1.0;
+          float f = is_uneven ? cellPressure(points, abs(share), d_rate) : lawPressure(d, d_rate);
+          if (RELAXATION > 0) f = relax(step.skin, skin_states, i, is_reached, f);
+          force += f;
+          moment += f * position;
+          if (kSumsSlopes && f > 0.0) slope += stiffnessOf(points, d, share, f).slope;
+          depth_sum += d;
+          if (OUTPUT_JACOBIAN) {
+            Stiffness stiffness = AREA ? stiffnessOf(points, d, share, f) : stiffnessAmong(tile, step.surface, wordsAround(tile, rows, uvec2(a, b), address), height, f);
+            addSample(row, b, rim, position.y, f, stiffness);
+          }
+          if (kShears) {
+            SampleShear sample_shear = sampleShear(step, shear_states, i, points, word, position, d, share, f);
+            shear += sample_shear.traction;
+            shear_moment += sample_shear.moment;
+          }
         }
-        float d = clamp(step.load_driven ? step.found.depth - (height - step.found.lowest) : THICKNESS - height, 0.0, THICKNESS);
-        if (AREA) d = depthOfWord(word);
-        float d_rate = HAS_STATE ? depthRate(step, depths, i, d) : 0.0;
-        float share = keepsShares() ? uintBitsToFloat(cell_shares[address]) : 1.0;
-        deep += d >= THICKNESS || share < 0.0 ? 1u : 0u;
-        CellPoints points;
-        if (VARIATION) points = cellPoints(tile, d / abs(share), abs(share), cell_variations[address]);
-        bool is_uneven = VARIATION && LAW_1 != 1.0;
-        float f = is_uneven ? cellPressure(points, abs(share), d_rate) : lawPressure(d, d_rate);
-        if (RELAXATION > 0) f = relax(step.skin, skin_states, i, is_reached, f);
-        force += f;
-        moment += f * position;
-        if (kSumsSlopes && f > 0.0) slope += stiffnessOf(points, d, share, f).slope;
-        depth_sum += d;
-        if (OUTPUT_JACOBIAN) {
-          Stiffness stiffness = AREA ? stiffnessOf(points, d, share, f) : stiffnessAmong(tile, step.surface, wordsAround(tile, rows, uvec2(a, b), address), height, f);
-          addSample(row, b, rim, position.y, f, stiffness);
-        }
-        if (kShears) {
-          SampleShear sample_shear = sampleShear(step, shear_states, i, points, word, position, d, share, f);
-          shear += sample_shear.traction;
-          shear_moment += sample_shear.moment;
-        }
+        if (RELAXATION > 0 && kUpdatesSkin) writeSkin(states_at, skin_states);
+        if (kShears) writeShears(states_at, shear_states);
+        if (HAS_STATE) state[states_at + kDepthState] = depths;
       }
-      if (RELAXATION > 0 && kUpdatesSkin) writeSkin(states_at, skin_states);
-      if (kShears) writeShears(states_at, shear_states);
-      if (HAS_STATE) state[states_at + kDepthState] = depths;
-    }
-    if (OUTPUT_JACOBIAN) addRow(cell, row, a, rim, x);
+      if (OUTPUT_JACOBIAN) addRow(cell, row, a, rim, x);
     }
     first_row += kUnrolledRows;
   } while (first_row < SAMPLES);
