@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // Image pass: stages 3 (spread), 4 (time), 5 (readout) and 6 (features) of one frame.
 //
 // A workgroup has WORKGROUP / TEAM teams; each team processes REPEAT instances in sequence. An invocation owns rows of taxels, so that it fetches the sources
@@ -18,6 +19,7 @@
 #include "shared/features.h"
 #include "shared/random.h"
 #include "shared/sensor.h"
+#include "driver/pairs.glsl"
 #include "passes/declare.glsl"
 #include "passes/image.h"
 

@@ -23,25 +23,29 @@ uint touchedTaxels(Tile tile, uint tile_state, uint lane, uvec2 first, uvec2 cou
     highs[f] = face_highs[f] - fall - kRounding * abs(face_highs[f]);
   }
   uint touched = 0, bit = 1;
-  for (uint k = lane; k < count.x * count.y; k += LANES) {
-    uvec2 at = first + cellNumbered(k, count.y);
-    uint taxel = first_taxel + at.x * tile.grid.y + at.y;
-    contact_normal[taxel] = 0.0;
-    if (OUTPUT_SHEAR) writeShear(taxel, vec2(0));
-    if (OUTPUT_DEPTH) contact_depth[taxel] = 0.0;
-    if (OUTPUT_JACOBIAN) clearCell(taxel);
-    vec2 middle = samplePosition(tile, at * SAMPLES) + half_size;
-    float low = -kMiss, minus_high = -kMiss;
-    for (uint f = 0; kOnlyPolyhedra && f < NUM_FACES; ++f) {
-      float rise = dot(face_slopes[f], middle);
-      low = max(low, rise + lows[f]);
-      minus_high = max(minus_high, rise + highs[f]);
+  uint k = lane, num_taxels = count.x * count.y;
+  if (num_taxels > 0) do {
+    if (k < num_taxels) {
+      uvec2 at = first + cellNumbered(k, count.y);
+      uint taxel = first_taxel + at.x * tile.grid.y + at.y;
+      contact_normal[taxel] = 0.0;
+      if (OUTPUT_SHEAR) writeShear(taxel, vec2(0));
+      if (OUTPUT_DEPTH) contact_depth[taxel] = 0.0;
+      if (OUTPUT_JACOBIAN) clearCell(taxel);
+      vec2 middle = samplePosition(tile, at * SAMPLES) + half_size;
+      float low = -kMiss, minus_high = -kMiss;
+      for (uint f = 0; kOnlyPolyhedra && f < NUM_FACES; ++f) {
+        float rise = dot(face_slopes[f], middle);
+        low = max(low, rise + lows[f]);
+        minus_high = max(minus_high, rise + highs[f]);
+      }
+      bool near = kOnlyPolyhedra ? low < tile.z_limit && low <= -minus_high : reachesInto(part, middle, half_size + kSampleReach * tile.spacing);
+      if (near) touched |= bit;
+      if (kMarksStates && !near) markWithoutStates(tile, tile_state, at);
+      bit <<= 1;
     }
-    bool near = kOnlyPolyhedra ? low < tile.z_limit && low <= -minus_high : reachesInto(part, middle, half_size + kSampleReach * tile.spacing);
-    if (near) touched |= bit;
-    if (kMarksStates && !near) markWithoutStates(tile, tile_state, at);
-    bit <<= 1;
-  }
+    k += LANES;
+  } while (k - lane < num_taxels);
   return touched;
 }
 

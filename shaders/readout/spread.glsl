@@ -13,8 +13,8 @@ void addSource(inout Spread sum, uint source, float weight) {
 
 // ---- a grid patch with a kernel of 3 x 3: a window slides along a row ----
 //
-// A step fetches three sources instead of nine; two neighbouring rows at once fetch four instead of eighteen. Sources outside the window of contact are 0, and
-// a window begins with a column that has none before it.
+// Sources outside the window of contact are 0. A step fetches three sources instead of nine; two neighbouring rows at once fetch four instead of eighteen. With PAIRS
+// a step processes two columns, the first of which is even: it loads sources and stores counts two at a time.
 //
 //   column:   before  here  after          Kernel::...[d]: weight of the source in row i - 1 + d of that column, for the taxel at (i, j)
 //   row i-1      x      x      x
@@ -24,6 +24,7 @@ void addSource(inout Spread sum, uint source, float weight) {
 
 const bool kSliding = kOnePatch && KERNEL == 3;
 const uint kRowsAtOnce = kSliding && TEAM == 1 && LANES > 1 ? 2 : 1;
+const uint kColsAtOnce = PAIRS ? 2u : 1u;
 
 struct Kernel {
   vec3 before, here, after;
@@ -39,35 +40,41 @@ struct Column {
   vec4 normal, shear_x, shear_y;
 };
 
+// Of a step and of the next one, and before them the last column of the step before.
 struct Columns {
-  Column before, here, after;
+  Column at[5];
 };
 
-Column columnAt(uint first_taxel, ImageWindow window, ivec2 at) {
-  Column column = Column(vec4(0), vec4(0), vec4(0));
-  for (int d = 0; d < 2 + int(kRowsAtOnce); ++d) {
-    uvec2 source = uvec2(at + ivec2(d - 1, 0));  // -1 wraps to a large number
-    if (any(greaterThanEqual(source - window.contact_first, window.contact_count))) continue;
-    uint taxel = first_taxel + source.x * NUM_COLS + source.y;
-    column.normal[d] = contact_normal[taxel];
-    if (SHEAR) {
-      column.shear_x[d] = contact_shear[2 * taxel];
-      column.shear_y[d] = contact_shear[2 * taxel + 1];
+Column noColumn() { return Column(vec4(0), vec4(0), vec4(0)); }
+
+// Loads the columns of the step that begins with the taxel `at`, as those of the next step.
+void loadColumns(uint first_taxel, ImageWindow window, uvec2 at, inout Columns columns) {
+  const uint kNext = 1u + kColsAtOnce;
+  [[unroll]] for (uint k = 0; k < kColsAtOnce; ++k) columns.at[kNext + k] = noColumn();
+  bvec2 is_reached = lessThan(uvec2(at.y, at.y + 1u) - window.contact_first.y, uvec2(window.contact_count.y));
+  [[unroll]] for (uint d = 0; d < 2 + kRowsAtOnce; ++d) {
+    uint row = at.x + d - 1u;  // before the first one: a large number
+    if (row - window.contact_first.x >= window.contact_count.x || !(is_reached.x || PAIRS && is_reached.y)) continue;
+    uint taxel = first_taxel + row * NUM_COLS + at.y;
+    vec2 normal = PAIRS ? uintBitsToFloat(wordsOf(force_pairs[taxel / 2u])) : vec2(contact_normal[taxel], 0);
+    [[unroll]] for (uint k = 0; k < kColsAtOnce; ++k) {
+      if (is_reached[k]) columns.at[kNext + k].normal[d] = normal[k];
+      if (!SHEAR || !is_reached[k]) continue;
+      columns.at[kNext + k].shear_x[d] = contact_shear[2 * (taxel + k)];
+      columns.at[kNext + k].shear_y[d] = contact_shear[2 * (taxel + k) + 1];
     }
   }
-  return column;
 }
 
-// At the first taxel of a row; then slideColumns() before each taxel, the first included.
-void startColumns(uint first_taxel, ImageWindow window, ivec2 at, inout Columns columns) {
-  columns.here = Column(vec4(0), vec4(0), vec4(0));
-  columns.after = columnAt(first_taxel, window, at);
+// At the first taxel of a row, before which contact reaches none; then slideColumns() before each step, the first included.
+void startColumns(uint first_taxel, ImageWindow window, uvec2 at, inout Columns columns) {
+  columns.at[kColsAtOnce] = noColumn();
+  loadColumns(first_taxel, window, at, columns);
 }
 
-void slideColumns(uint first_taxel, ImageWindow window, ivec2 at, inout Columns columns) {
-  columns.before = columns.here;
-  columns.here = columns.after;
-  columns.after = columnAt(first_taxel, window, at + ivec2(0, 1));
+void slideColumns(uint first_taxel, ImageWindow window, uvec2 at, inout Columns columns) {
+  [[unroll]] for (uint k = 0; k <= kColsAtOnce; ++k) columns.at[k] = columns.at[k + kColsAtOnce];
+  loadColumns(first_taxel, window, at + uvec2(0, kColsAtOnce), columns);
 }
 
 float weighted(Kernel kernel, uint row, vec4 before, vec4 here, vec4 after) {
@@ -75,12 +82,13 @@ float weighted(Kernel kernel, uint row, vec4 before, vec4 here, vec4 after) {
   return dot(kernel.before, before.yzw) + dot(kernel.here, here.yzw) + dot(kernel.after, after.yzw);
 }
 
-// At the taxel in the first (0) or second (1) row of the columns.
-Spread spreadSliding(Kernel kernel, inout Columns columns, uint row) {
-  Spread sum = Spread(weighted(kernel, row, columns.before.normal, columns.here.normal, columns.after.normal), vec2(0));
+// At the taxel in the first (0) or second (1) row and the k-th column of a step.
+Spread spreadSliding(Kernel kernel, inout Columns columns, uint row, uint k) {
+  Column before = columns.at[k], here = columns.at[k + 1u], after = columns.at[k + 2u];
+  Spread sum = Spread(weighted(kernel, row, before.normal, here.normal, after.normal), vec2(0));
   if (SHEAR) {
-    sum.shear.x = weighted(kernel, row, columns.before.shear_x, columns.here.shear_x, columns.after.shear_x);
-    sum.shear.y = weighted(kernel, row, columns.before.shear_y, columns.here.shear_y, columns.after.shear_y);
+    sum.shear.x = weighted(kernel, row, before.shear_x, here.shear_x, after.shear_x);
+    sum.shear.y = weighted(kernel, row, before.shear_y, here.shear_y, after.shear_y);
   }
   return sum;
 }

@@ -4,14 +4,15 @@
 // In:  heights of the tile or of one solid (depth/heights.glsl).
 // Out: contact_normal, contact_depth, contact_shear, contact_cells, node_cells, tile_changes; partial sums of the wrench in partial[] and partial_shear[]; num_deep and
 //      any_behind.
-// Shared memory: 8 bytes.
+// Shared memory: 12 bytes.
 // Twins: src/reference/contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp.
 
 // Cosine to z of S. On a patch flatter than this, a surface below Tile::z_floor means that a load search has passed through the body.
 const float kLooksUp = 0.7;
 
-shared uint num_deep;    // samples at the skin's full thickness
-shared uint any_behind;  // 1: a surface below Tile::z_floor, on a patch that looks along z of S
+shared uint most_touched;  // taxels of any lane that kSkipsTaxels leaves
+shared uint num_deep;      // samples at the skin's full thickness
+shared uint any_behind;    // 1: a surface below Tile::z_floor, on a patch that looks along z of S
 
 void writeShear(uint taxel, vec2 shear) {
   contact_shear[2 * taxel] = shear.x;
@@ -345,29 +346,45 @@ void writeTaxel(Tile tile, uint instance, uvec2 in_patch, TaxelSums sums, Cell c
   lane_shear += shear;
 }
 
+// Rounds that all lanes take together: as many as the lane with the most of the `num_active` taxels needs. `touched`: this lane's, if kSkipsTaxels.
+uint numRounds(uint touched, uint num_active) {
+  if (!kSkipsTaxels) return (num_active + LANES - 1u) / LANES;
+  atomicMax(most_touched, uint(bitCount(touched)));
+  workgroupBarrier();
+  uint most = most_touched;
+  if (WORKGROUP < LANES) workgroupBarrier();
+  return most;
+}
+
 // Computes all active taxels, each by one of LANES lanes, which leave partial sums of the wrench.
 void pressTaxels(Tile tile, TileStep step, ActiveTaxels taxels, inout Found found) {
   uint num_active = taxels.count.x * taxels.count.y;
   uint deep = found.full_cells;
   uint v = gl_LocalInvocationIndex;
-  if (v < LANES) do {
+  do {
+    bool owns = WORKGROUP <= LANES || v < LANES;
     vec4 wrench = vec4(0);
     vec2 lane_shear = vec2(0);
     vec3 change[6] = vec3[6](vec3(0), vec3(0), vec3(0), vec3(0), vec3(0), vec3(0));
-    uint touched = kSkipsTaxels ? touchedTaxels(tile, step.state, v, taxels.first, taxels.count, step.first_taxel, step.part) : 0;
-    uint k = kSkipsTaxels ? nextTouched(touched, v) : v;
-    while (k < num_active) {
-      uvec2 in_tile = taxels.first + cellNumbered(k, taxels.count.y);
-      Cell cell = noCell();
-      TaxelSums sums = pressTaxel(tile, step, in_tile, found, cell, change);
-      deep += sums.deep;
-      writeTaxel(tile, step.instance, in_tile + tile.first_taxel, sums, cell, wrench, lane_shear);
-      k = kSkipsTaxels ? nextTouched(touched, v) : k + LANES;
-    }
+    uint touched = owns && kSkipsTaxels ? touchedTaxels(tile, step.state, v, taxels.first, taxels.count, step.first_taxel, step.part) : 0;
+    uint num_rounds = numRounds(touched, num_active), round = 0;
+    uint k = kSkipsTaxels ? nextTouched(touched, v) : owns ? v : num_active;
+    if (num_rounds > 0) do {
+      if (k < num_active) {
+        uvec2 in_tile = taxels.first + cellNumbered(k, taxels.count.y);
+        Cell cell = noCell();
+        TaxelSums sums = pressTaxel(tile, step, in_tile, found, cell, change);
+        deep += sums.deep;
+        writeTaxel(tile, step.instance, in_tile + tile.first_taxel, sums, cell, wrench, lane_shear);
+        k = kSkipsTaxels ? nextTouched(touched, v) : k + LANES;
+      }
+    } while (++round < num_rounds);
     checkLoop(k < num_active);
-    partial[v] = wrench;
-    if (kShears) partial_shear[v] = lane_shear;
-    if (OUTPUT_WRENCH_CHANGE) writeChange(tile, step.result * LANES + v, change);
+    if (owns) {
+      partial[v] = wrench;
+      if (kShears) partial_shear[v] = lane_shear;
+      if (OUTPUT_WRENCH_CHANGE) writeChange(tile, step.result * LANES + v, change);
+    }
     v += WORKGROUP;
   } while (WORKGROUP < LANES && v < LANES);
   if (deep > 0) atomicAdd(num_deep, deep);
