@@ -25,6 +25,7 @@
 #include "driver/pairs.glsl"
 #include "driver/barrier.glsl"
 #include "driver/texels.glsl"
+#include "driver/vector_sums.glsl"
 #include "shared/batch.h"
 #include "shared/elastic_layer.h"
 #include "shared/features.h"

@@ -26,7 +26,7 @@ float initialShift(Window window, Drive drive) {
         k += LANES;
       } while (k - v < window.num_strips);
       checkLoop(k < window.num_strips);
-      partial[v] = vec4(sums, 0, 0);
+      setPartial(v, vec4(sums, 0, 0));
       v += WORKGROUP;
     } while (WORKGROUP < LANES && v < window.num_parts);
     vec2 sums = sumOfPartials(window.num_parts).xy;
@@ -55,7 +55,7 @@ bool previousPressuresFit(Window window, float shift, Drive drive) {
       k += LANES;
     } while (k - v < window.num_strips);
     checkLoop(k < window.num_strips);
-    partial[v] = vec4(sums, 0, 0);
+    setPartial(v, vec4(sums, 0, 0));
     v += WORKGROUP;
   } while (WORKGROUP < LANES && v < window.num_parts);
   vec2 work = sumOfPartials(window.num_parts).xy;
@@ -80,7 +80,7 @@ vec4 displaceByPressures(Window window) {
       k += LANES;
     } while (k - v < window.num_strips);
     checkLoop(k < window.num_strips);
-    partial[v] = sums;
+    setPartial(v, sums);
     v += WORKGROUP;
   } while (WORKGROUP < LANES && v < window.num_parts);
   return sumOfPartials(window.num_parts);

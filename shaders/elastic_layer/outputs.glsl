@@ -71,7 +71,7 @@ vec4 sumPressures(Surface surface, Window window, float shift) {
       k += LANES;
     } while (k - v < window.num_strips);
     checkLoop(k < window.num_strips);
-    partial[v] = sums;
+    setPartial(v, sums);
     if (deep > 0.0) atomicAdd(num_deep, uint(deep));
     v += WORKGROUP;
   } while (WORKGROUP < LANES && v < window.num_parts);

@@ -54,7 +54,7 @@ void updateResidual(Window window, Drive drive, float factor, inout Solution fou
       k += LANES;
     } while (k - v < window.num_strips);
     checkLoop(k < window.num_strips);
-    partial[v] = sums;
+    setPartial(v, sums);
     v += WORKGROUP;
   } while (WORKGROUP < LANES && v < window.num_parts);
   vec4 sums = sumOfPartials(window.num_parts);
@@ -66,7 +66,7 @@ void updateResidual(Window window, Drive drive, float factor, inout Solution fou
   found.shift += mean;
 }
 
-// Search direction t = r + beta t over the nodes in contact, which become the sources. Leaves the sum of r times t in partial[].x.
+// Search direction t = r + beta t over the nodes in contact, which become the sources. Leaves the sum of r times t in the x component of the partial sums.
 void updateDirection(Window window, float shift, float beta) {
   uint v = gl_LocalInvocationIndex;
   if (v < window.num_parts) do {
@@ -85,7 +85,7 @@ void updateDirection(Window window, float shift, float beta) {
       k += LANES;
     } while (k - v < window.num_strips);
     checkLoop(k < window.num_strips);
-    partial[v] = vec4(descent, 0, 0, 0);
+    setPartial(v, vec4(descent, 0, 0, 0));
     v += WORKGROUP;
   } while (WORKGROUP < LANES && v < window.num_parts);
 }
@@ -94,7 +94,7 @@ void updateDirection(Window window, float shift, float beta) {
 float applyToDirection(Window window, Drive drive, float num_pressed) {
   uint v = gl_LocalInvocationIndex;
   if (v < window.num_parts) do {
-    vec4 sums = vec4(partial[v].x, 0, 0, 0);  // r times t; then over the nodes in contact q times t, q, t
+    vec4 sums = vec4(partialAt(v).x, 0, 0, 0);  // r times t; then over the nodes in contact q times t, q, t
     uint k = v;
     do {
       if (k < window.num_strips) {
@@ -111,7 +111,7 @@ float applyToDirection(Window window, Drive drive, float num_pressed) {
       k += LANES;
     } while (k - v < window.num_strips);
     checkLoop(k < window.num_strips);
-    partial[v] = sums;
+    setPartial(v, sums);
     v += WORKGROUP;
   } while (WORKGROUP < LANES && v < window.num_parts);
   vec4 sums = sumOfPartials(window.num_parts);
@@ -147,7 +147,7 @@ vec2 takeStep(Window window, float shift, float step_length) {
       k += LANES;
     } while (k - v < window.num_strips);
     checkLoop(k < window.num_strips);
-    partial[v] = vec4(sums, 0, 0);
+    setPartial(v, vec4(sums, 0, 0));
     v += WORKGROUP;
   } while (WORKGROUP < LANES && v < window.num_parts);
   return sumOfPartials(window.num_parts).xy;

@@ -64,7 +64,7 @@ float lowestHeight(Surface surface, Window window) {
       k += LANES;
     } while (k - v < window.num_strips);
     checkLoop(k < window.num_strips);
-    partial[v] = vec4(highest);
+    setPartial(v, vec4(highest));
     v += WORKGROUP;
   } while (WORKGROUP < LANES && v < window.num_parts);
   return -largestOfPartials(window.num_parts);
