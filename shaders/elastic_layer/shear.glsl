@@ -60,7 +60,7 @@ Shear shearNodes(uint instance, uint num_slots, Surface surface, uint layer_star
       uvec2 node = first + cellNumbered(k, count.y);
       float pressure = valueAt(layer_start, kLayerPressure, node) * (node_force / nodeArea());
       NodeCell cell = cellAt(surface, node);
-      uint slot = cell.edge > 0.0 ? cell.slot : slotOf(heights[surface.first_height + node.x * NODE_COLS + node.y]);
+      uint slot = cell.edge > 0.0 ? cell.slot : slotOf(heightWordAt(surface, node));
       vec3 p = vec3(nodePosition(node) + cell.place, -(overlapAt(surface, node) + shift) * THICKNESS);
       float covered = cell.share > 0.0 ? cell.share : 1.0;  // skin that bulges meets a surface above it
       uvec2 words = isInside(node, state_window) ? wordsOf(friction_state[shearState(instance, node)]) : uvec2(kNoFrictionState, 0u);
