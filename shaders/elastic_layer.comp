@@ -108,7 +108,7 @@ void solveInstance(uint instance, uint num_instances, uint num_slots) {
   if (by_load && !no_surface) found.shift = min(-deepest, 1.0);  // at first touch
   if (!idle) {
     if (LOADS && by_load) found.shift = initialShift(window, drive);
-    initializePressures(window, found.shift, drive);
+    initializePressures(window, drive, found);
     iterations = solve(window, found, drive);
     if (by_load && !drive.by_load) status = kLoadOutOfReach;
   }
