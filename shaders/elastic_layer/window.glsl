@@ -2,7 +2,7 @@
 // over the window.
 //
 // The window has the same number of strips in each of its rows, but its own first column per row, so that a contact along a diagonal does not need the bounding
-// rectangle. Sources are one range of columns per row.
+// rectangle. Sources are one range of strips per row.
 // Shared memory: 16 LANES + 8 NODE_ROWS + 8 bytes. A workgroup works on one instance, and all its invocations hold the same Window.
 
 #include "common/partial_sums.glsl"
