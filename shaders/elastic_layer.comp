@@ -17,7 +17,7 @@
 //      tile_results (num_instances); loads (num_instances); features of the solution; with OUTPUT_JACOBIAN taxel_jacobian (num_instances x 6 x num_taxels), N/m
 //      and N/rad, and wrench_jacobian (num_instances x 6 x 6).
 // State: pressures, from which the next frame starts; with relaxation strain and overstresses of every node, with area sampling also compliances of dents; with friction their shear traction.
-// Shared memory: 16 LANES + 12 NODE_ROWS + 16 bytes; with friction 8 LANES + 512 bytes more.
+// Shared memory: 16 LANES + 8 NODE_ROWS + 12 bytes; with friction 8 LANES + 512 bytes more.
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
 // Mutable globals: any_unfinished_loop (driver/loop_limit.glsl).
 // Twins: src/reference/elastic_layer.cpp, relaxation.cpp, friction.cpp.
@@ -25,6 +25,7 @@
 #include "driver/pairs.glsl"
 #include "driver/barrier.glsl"
 #include "driver/texels.glsl"
+#include "driver/vector_sums.glsl"
 #include "shared/batch.h"
 #include "shared/elastic_layer.h"
 #include "shared/features.h"
@@ -107,7 +108,7 @@ void solveInstance(uint instance, uint num_instances, uint num_slots) {
   if (by_load && !no_surface) found.shift = min(-deepest, 1.0);  // at first touch
   if (!idle) {
     if (LOADS && by_load) found.shift = initialShift(window, drive);
-    initializePressures(window, found.shift, drive);
+    initializePressures(window, drive, found);
     iterations = solve(window, found, drive);
     if (by_load && !drive.by_load) status = kLoadOutOfReach;
   }

@@ -12,6 +12,9 @@ void workgroupBarrierWithBuffers() { subgroupMemoryBarrier(); }
 void workgroupBarrier() { barrier(); }
 void workgroupBarrierWithBuffers() {
   memoryBarrierBuffer();
+#ifdef PAIRS_OF_64_BITS
+  memoryBarrierImage();  // driver/texels.glsl
+#endif
   memoryBarrierShared();
   barrier();
 }

@@ -20,16 +20,19 @@ vec4 productOf(vec4 x, vec4 past, vec4 next) {
 //   held in                    past        next
 vec4 displacementAt(Window window, uvec2 at, uint array) {
   vec4 w = vec4(0);
-  uint row = source_rows[0], end_row = source_rows[1];
-  if (row < end_row) do {
+  uvec2 rows = rowsAroundSources();
+  uint row = rows.x;
+  if (row < rows.y) do {
+    if (source_strips[row] == 0) continue;
     uint distance = at.x > row ? at.x - row : row - at.x;
-    uint col = source_first[row], end = source_end[row];
-    uint entry = distance * 2 * kRowStrips + kRowStrips + at.y / kStrip - col / kStrip;
-    uint source = stripAddress(window.layer_start, array, uvec2(row, col));
+    uvec2 range = sourcesOfRow(row);
+    uint strip = range.x, end = range.y;
+    uint entry = distance * 2 * kRowStrips + kRowStrips + at.y / kStrip - strip;
+    uint source = stripAddress(window.layer_start, array, uvec2(row, strip * kStrip));
     vec4 next = floatsOfFour(Influence, entry);
-    if (col < end) do {
+    do {
       // Two strips of sources: some drivers limit the iterations of loops (driver/loop_limit.glsl).
-      bool is_pair = col + kStrip < end;
+      bool is_pair = strip + 1u < end;
       vec4 past = floatsOfFour(Influence, entry - 1u), before = floatsOfFour(Influence, entry - (is_pair ? 2u : 1u));
       vec4 x = uintBitsToFloat(loadFour(LayerStrips, source)), y = uintBitsToFloat(loadFour(LayerStrips, source + (is_pair ? 1u : 0u)));
       if (!is_pair) y = vec4(0);
@@ -37,13 +40,11 @@ vec4 displacementAt(Window window, uvec2 at, uint array) {
       next = before;
       entry -= 2u;
       source += 2u;
-      col += 2u * kStrip;
-    } while (col < end);
-    checkLoop(col < end);
-  } while (++row < end_row);
-  checkLoop(row < end_row);
-  if (AREA && at.y >= source_first[at.x] && at.y < source_end[at.x]) {
-    w += readStrip(window, kLayerCompliance, at) * readStrip(window, array, at);
-  }
+      strip += 2u;
+    } while (strip < end);
+    checkLoop(strip < end);
+  } while (++row < rows.y);
+  checkLoop(row < rows.y);
+  if (AREA && isSource(at)) w += readStrip(window, kLayerCompliance, at) * readStrip(window, array, at);
   return w;
 }

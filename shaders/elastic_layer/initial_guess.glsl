@@ -26,7 +26,7 @@ float initialShift(Window window, Drive drive) {
         k += LANES;
       } while (k - v < window.num_strips);
       checkLoop(k < window.num_strips);
-      partial[v] = vec4(sums, 0, 0);
+      setPartial(v, vec4(sums, 0, 0));
       v += WORKGROUP;
     } while (WORKGROUP < LANES && v < window.num_parts);
     vec2 sums = sumOfPartials(window.num_parts).xy;
@@ -55,7 +55,7 @@ bool previousPressuresFit(Window window, float shift, Drive drive) {
       k += LANES;
     } while (k - v < window.num_strips);
     checkLoop(k < window.num_strips);
-    partial[v] = vec4(sums, 0, 0);
+    setPartial(v, vec4(sums, 0, 0));
     v += WORKGROUP;
   } while (WORKGROUP < LANES && v < window.num_parts);
   vec2 work = sumOfPartials(window.num_parts).xy;
@@ -80,15 +80,16 @@ vec4 displaceByPressures(Window window) {
       k += LANES;
     } while (k - v < window.num_strips);
     checkLoop(k < window.num_strips);
-    partial[v] = sums;
+    setPartial(v, sums);
     v += WORKGROUP;
   } while (WORKGROUP < LANES && v < window.num_parts);
   return sumOfPartials(window.num_parts);
 }
 
-// Sets the pressures and the residual that the solver starts from. Pressures are scaled so that they carry the load, or, without a load, so that the
+// Sets the pressures, the residual and `found` that the solver starts from, found.shift given. Pressures are scaled so that they carry the load, or, without a load, so that the
 // quadratic energy along them is least.
-void initializePressures(Window window, float shift, Drive drive) {
+void initializePressures(Window window, Drive drive, inout Solution found) {
+  float shift = found.shift;
   bool warm = previousPressuresFit(window, shift, drive);
   float above = shift - (IMAGE_DEPTH == 0.0 ? kBeyondContact * (drive.deepest + shift) : 0.0);
   clearSources();
@@ -113,13 +114,24 @@ void initializePressures(Window window, float shift, Drive drive) {
   workgroupBarrierWithBuffers();
   vec4 sums = displaceByPressures(window);
   float factor = LOADS && drive.by_load ? drive.pressure_sum / max(sums.z, 1e-30) : max(sums.x, 0.0) / max(sums.y, 1e-30);
-  uint k = gl_LocalInvocationIndex;
-  if (k < window.num_strips) do {
-    uvec2 at = stripAt(window, k);
-    writeStrip(window, kLayerPressure, at, readStrip(window, kLayerPressure, at) * factor);
-    writeStrip(window, kLayerResidual, at, readStrip(window, kLayerProduct, at) * factor - readStrip(window, kLayerTarget, at));
-    k += WORKGROUP;
-  } while (k < window.num_strips);
-  checkLoop(k < window.num_strips);
-  workgroupBarrierWithBuffers();
+  v = gl_LocalInvocationIndex;
+  if (v < window.num_parts) do {
+    vec4 residuals = vec4(0);
+    uint k = v;
+    do {
+      if (k < window.num_strips) {
+        uvec2 at = stripAt(window, k);
+        vec4 p = readStrip(window, kLayerPressure, at) * factor;
+        vec4 residual = readStrip(window, kLayerProduct, at) * factor - readStrip(window, kLayerTarget, at);
+        writeStrip(window, kLayerPressure, at, p);
+        writeStrip(window, kLayerResidual, at, residual);
+        residuals += residualSums(window, at, p, residual - shift);
+      }
+      k += LANES;
+    } while (k - v < window.num_strips);
+    checkLoop(k < window.num_strips);
+    setPartial(v, residuals);
+    v += WORKGROUP;
+  } while (WORKGROUP < LANES && v < window.num_parts);
+  updateSolution(window, drive, found);
 }

@@ -99,7 +99,7 @@ vec2 storeCellRates(Surface surface, Window window, float shift, vec3 v, vec3 w)
       k += LANES;
     } while (k - part < window.num_strips);
     checkLoop(k < window.num_strips);
-    partial[part] = vec4(moved, 0, 0);
+    setPartial(part, vec4(moved, 0, 0));
     part += WORKGROUP;
   } while (WORKGROUP < LANES && part < window.num_parts);
   return sumOfPartials(window.num_parts).xy;
@@ -141,7 +141,7 @@ float beginRates(Surface surface, Window window, float shift, vec3 v, vec3 w) {
       k += LANES;
     } while (k - part < window.num_strips);
     checkLoop(k < window.num_strips);
-    partial[part] = vec4(squares, 0, 0, 0);
+    setPartial(part, vec4(squares, 0, 0, 0));
     part += WORKGROUP;
   } while (WORKGROUP < LANES && part < window.num_parts);
   float squares = sumOfPartials(window.num_parts).x;
@@ -173,7 +173,7 @@ float applyToRates(Window window) {
       k += LANES;
     } while (k - part < window.num_strips);
     checkLoop(k < window.num_strips);
-    partial[part] = vec4(curvature, 0, 0, 0);
+    setPartial(part, vec4(curvature, 0, 0, 0));
     part += WORKGROUP;
   } while (WORKGROUP < LANES && part < window.num_parts);
   return sumOfPartials(window.num_parts).x;
@@ -198,7 +198,7 @@ float stepRates(Window window, float squared_residual) {
       k += LANES;
     } while (k - part < window.num_strips);
     checkLoop(k < window.num_strips);
-    partial[part] = vec4(squares, 0, 0, 0);
+    setPartial(part, vec4(squares, 0, 0, 0));
     part += WORKGROUP;
   } while (WORKGROUP < LANES && part < window.num_parts);
   float squares = sumOfPartials(window.num_parts).x;
@@ -236,7 +236,7 @@ void writeWrenchJacobian(uint instance, Surface surface, Window window, uint c, 
       k += LANES;
     } while (k - part < window.num_strips);
     checkLoop(k < window.num_strips);
-    partial[part] = vec4(sums, 0);
+    setPartial(part, vec4(sums, 0));
     part += WORKGROUP;
   } while (WORKGROUP < LANES && part < window.num_parts);
   vec4 sums = (sumOfPartials(window.num_parts) + vec4(0, moved, 0)) * node_force;

@@ -19,10 +19,11 @@ uvec4 writeTaxels(uint instance, Surface surface, Window window, uvec4 pressed, 
   bool any_node = (window.num_strips > 0 || RELAXATION > 0) && all(lessThan(first_node, end_node));
   uvec2 first = (first_node - margin) / SAMPLES, count = (end_node - margin + SAMPLES - 1u) / SAMPLES - first;
   if (!any_node) first = count = uvec2(0);
-  for (uint k = gl_LocalInvocationIndex; k < NUM_TAXELS; k += WORKGROUP) {
-    uvec2 at = uvec2(k / NUM_COLS, k % NUM_COLS);
+  uvec2 first_written = OUTPUT_DEPTH ? uvec2(0) : first, num_written = OUTPUT_DEPTH ? uvec2(NUM_TAXELS / NUM_COLS, NUM_COLS) : count;
+  for (uint v = gl_LocalInvocationIndex; v < num_written.x * num_written.y; v += WORKGROUP) {
+    uvec2 at = first_written + cellNumbered(v, num_written.y);
     bool inside = all(lessThan(at - first, count));
-    if (!inside && !OUTPUT_DEPTH) continue;
+    uint k = at.x * NUM_COLS + at.y;
     float pressure = 0.0, depth = 0.0;
     vec2 traction = vec2(0);
     for (uint a = 0; inside && a < SAMPLES; ++a) {
@@ -30,7 +31,7 @@ uvec4 writeTaxels(uint instance, Surface surface, Window window, uvec4 pressed, 
         uvec2 node = margin + at * SAMPLES + uvec2(a, b);
         // A taxel may be reached in part; the surface over its other nodes is unknown.
         if (any(lessThan(node, first_node)) || any(greaterThanEqual(node, end_node))) continue;
-        pressure += valueAt(window.layer_start, kLayerPressure, node);
+        pressure += readStrip(window.layer_start, kLayerPressure, node)[node.y % kStrip];
         if (OUTPUT_DEPTH) depth += max(overlapAt(surface, node) + shift, 0.0) * (AREA ? cellAt(surface, node).share : 1.0);
         if (OUTPUT_SHEAR && isInside(node, pressed)) traction += tractionAt(instance, node);
       }
@@ -71,7 +72,7 @@ vec4 sumPressures(Surface surface, Window window, float shift) {
       k += LANES;
     } while (k - v < window.num_strips);
     checkLoop(k < window.num_strips);
-    partial[v] = sums;
+    setPartial(v, sums);
     if (deep > 0.0) atomicAdd(num_deep, uint(deep));
     v += WORKGROUP;
   } while (WORKGROUP < LANES && v < window.num_parts);

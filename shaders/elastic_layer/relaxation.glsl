@@ -62,7 +62,7 @@ float lowerTargetsByDents(SkinStep step, Window window) {
       k += LANES;
     } while (k - v < window.num_strips);
     checkLoop(k < window.num_strips);
-    partial[v] = vec4(deepest);
+    setPartial(v, vec4(deepest));
     v += WORKGROUP;
   } while (WORKGROUP < LANES && v < window.num_parts);
   return largestOfPartials(window.num_parts);

@@ -37,12 +37,12 @@ uvec4 pressedNodes(Window window) {
   } while (k < window.num_strips);
   checkLoop(k < window.num_strips);
   workgroupBarrierWithBuffers();
-  uint row = source_rows[0], end = source_rows[1];
-  uvec4 pressed = uvec4(row, end, NODE_COLS, 0);
-  for (; row < end; ++row) pressed.zw = uvec2(min(pressed.z, source_first[row]), max(pressed.w, source_end[row]));
-  checkLoop(row < end);
-  pressed.w = min(pressed.w, NODE_COLS);
-  return pressed.x < pressed.y ? pressed : uvec4(0);
+  uvec2 rows = sourceRows();
+  if (rows.x == rows.y) return uvec4(0);
+  uint strips = 0;
+  for (uint row = rows.x; row < rows.y; ++row) strips |= source_strips[row];
+  uvec2 cols = rangeOf(strips, kStripsPerBit, kRowStrips) * kStrip;
+  return uvec4(rows, cols.x, min(cols.y, NODE_COLS));
 }
 
 // `pressed`: as pressedNodes() returns it. `shift`: of the solution, thicknesses. `moved_z`: by how much a load search has moved the objects along z of S in
@@ -60,7 +60,7 @@ Shear shearNodes(uint instance, uint num_slots, Surface surface, uint layer_star
       uvec2 node = first + cellNumbered(k, count.y);
       float pressure = valueAt(layer_start, kLayerPressure, node) * (node_force / nodeArea());
       NodeCell cell = cellAt(surface, node);
-      uint slot = cell.edge > 0.0 ? cell.slot : slotOf(heights[surface.first_height + node.x * NODE_COLS + node.y]);
+      uint slot = cell.edge > 0.0 ? cell.slot : slotOf(heightWordAt(surface, node));
       vec3 p = vec3(nodePosition(node) + cell.place, -(overlapAt(surface, node) + shift) * THICKNESS);
       float covered = cell.share > 0.0 ? cell.share : 1.0;  // skin that bulges meets a surface above it
       uvec2 words = isInside(node, state_window) ? wordsOf(friction_state[shearState(instance, node)]) : uvec2(kNoFrictionState, 0u);
@@ -70,7 +70,7 @@ Shear shearNodes(uint instance, uint num_slots, Surface surface, uint layer_star
       torque += cross(p, vec3(q, 0));
     }
     checkLoop(k < count.x * count.y);
-    partial[v] = vec4(torque, 0);
+    setPartial(v, vec4(torque, 0));
     partial_shear[v] = force;
   }
   Shear shear;

@@ -24,12 +24,32 @@ struct Drive {
   float pressure_sum;  // required by the load, if by_load
 };
 
+// Over the nodes of a strip in contact: r, its square, their number; squares of penetrations elsewhere.
+vec4 residualSums(Window window, uvec2 at, vec4 p, vec4 residual) {
+  vec4 pressed = whereAbove(p, 0.0);
+  vec4 inside = residual * pressed;
+  vec4 outside = min(residual, 0.0) * (1.0 - pressed);
+  vec4 step_inside = weighted(window, at, inside);
+  return vec4(sumOf(step_inside), dot(inside, step_inside), sumOf(weighted(window, at, pressed)), dot(outside, weighted(window, at, outside)));
+}
+
+// Updates all of `found` from the partial sums of residualSums(): with a load the shift too.
+void updateSolution(Window window, Drive drive, inout Solution found) {
+  vec4 sums = sumOfPartials(window.num_parts);
+  float number = max(sums.z, 1.0);
+  float mean = LOADS && drive.by_load ? sums.x / number : 0.0;
+  found.num_pressed = sums.z;
+  found.error = sqrt((sums.y + sums.w) / number) / max(drive.deepest + found.shift, 1e-30);
+  found.squared_residual = max(sums.y - mean * sums.x, 0.0);
+  found.shift += mean;
+}
+
 // Updates the residual by the displacements of kLayerProduct over the sources. With a load, multiplies pressures and displacements by `factor` and updates the
 // shift. Updates all of `found`.
 void updateResidual(Window window, Drive drive, float factor, inout Solution found) {
   uint v = gl_LocalInvocationIndex;
   if (v < window.num_parts) do {
-    vec4 sums = vec4(0);  // over the nodes in contact: r, its square, their number; squares of penetrations elsewhere
+    vec4 sums = vec4(0);
     uint k = v;
     do {
       if (k < window.num_strips) {
@@ -44,29 +64,18 @@ void updateResidual(Window window, Drive drive, float factor, inout Solution fou
           writeStrip(window, kLayerPressure, at, p);
         }
         writeStrip(window, kLayerResidual, at, residual);
-        residual -= found.shift;
-        vec4 pressed = whereAbove(p, 0.0);
-        vec4 inside = residual * pressed;
-        vec4 outside = min(residual, 0.0) * (1.0 - pressed);
-        vec4 step_inside = weighted(window, at, inside);
-        sums += vec4(sumOf(step_inside), dot(inside, step_inside), sumOf(weighted(window, at, pressed)), dot(outside, weighted(window, at, outside)));
+        sums += residualSums(window, at, p, residual - found.shift);
       }
       k += LANES;
     } while (k - v < window.num_strips);
     checkLoop(k < window.num_strips);
-    partial[v] = sums;
+    setPartial(v, sums);
     v += WORKGROUP;
   } while (WORKGROUP < LANES && v < window.num_parts);
-  vec4 sums = sumOfPartials(window.num_parts);
-  float number = max(sums.z, 1.0);
-  float mean = LOADS && drive.by_load ? sums.x / number : 0.0;
-  found.num_pressed = sums.z;
-  found.error = sqrt((sums.y + sums.w) / number) / max(drive.deepest + found.shift, 1e-30);
-  found.squared_residual = max(sums.y - mean * sums.x, 0.0);
-  found.shift += mean;
+  updateSolution(window, drive, found);
 }
 
-// Search direction t = r + beta t over the nodes in contact, which become the sources. Leaves the sum of r times t in partial[].x.
+// Search direction t = r + beta t over the nodes in contact, which become the sources. Leaves the sum of r times t in the x component of the partial sums.
 void updateDirection(Window window, float shift, float beta) {
   uint v = gl_LocalInvocationIndex;
   if (v < window.num_parts) do {
@@ -85,7 +94,7 @@ void updateDirection(Window window, float shift, float beta) {
       k += LANES;
     } while (k - v < window.num_strips);
     checkLoop(k < window.num_strips);
-    partial[v] = vec4(descent, 0, 0, 0);
+    setPartial(v, vec4(descent, 0, 0, 0));
     v += WORKGROUP;
   } while (WORKGROUP < LANES && v < window.num_parts);
 }
@@ -94,7 +103,7 @@ void updateDirection(Window window, float shift, float beta) {
 float applyToDirection(Window window, Drive drive, float num_pressed) {
   uint v = gl_LocalInvocationIndex;
   if (v < window.num_parts) do {
-    vec4 sums = vec4(partial[v].x, 0, 0, 0);  // r times t; then over the nodes in contact q times t, q, t
+    vec4 sums = vec4(partialAt(v).x, 0, 0, 0);  // r times t; then over the nodes in contact q times t, q, t
     uint k = v;
     do {
       if (k < window.num_strips) {
@@ -111,7 +120,7 @@ float applyToDirection(Window window, Drive drive, float num_pressed) {
       k += LANES;
     } while (k - v < window.num_strips);
     checkLoop(k < window.num_strips);
-    partial[v] = sums;
+    setPartial(v, sums);
     v += WORKGROUP;
   } while (WORKGROUP < LANES && v < window.num_parts);
   vec4 sums = sumOfPartials(window.num_parts);
@@ -147,23 +156,20 @@ vec2 takeStep(Window window, float shift, float step_length) {
       k += LANES;
     } while (k - v < window.num_strips);
     checkLoop(k < window.num_strips);
-    partial[v] = vec4(sums, 0, 0);
+    setPartial(v, vec4(sums, 0, 0));
     v += WORKGROUP;
   } while (WORKGROUP < LANES && v < window.num_parts);
   return sumOfPartials(window.num_parts).xy;
 }
 
-// Iterates from the pressures of initializePressures() until the error is at most TOLERANCE; returns the number of iterations. A load that even full depth
+// Iterates from the pressures and `found` of initializePressures() until the error is at most TOLERANCE; returns the number of iterations. A load that even full depth
 // does not carry ends as full depth, with drive.by_load false.
 uint solve(Window window, inout Solution found, inout Drive drive) {
   uint iteration = 0, end = ITERATIONS;
   float factor = 1.0;
   float before = 0.0;  // squared residual before the step; 0 restarts the directions
   bool ended = false;
-  clearSources();
   while (true) {
-    updateResidual(window, drive, factor, found);
-    factor = 1.0;
     if (iteration >= end || found.error <= TOLERANCE) {
       if (!LOADS || !drive.by_load || found.shift <= 1.0) {
         ended = true;
@@ -174,19 +180,21 @@ uint solve(Window window, inout Solution found, inout Drive drive) {
       end = iteration + ITERATIONS;
       before = 0.0;
       clearSources();
-      continue;
+    } else {
+      ++iteration;
+      float beta = before > 0.0 ? found.squared_residual / before : 0.0;
+      before = found.squared_residual;
+      clearSources();
+      updateDirection(window, found.shift, beta);
+      workgroupBarrierWithBuffers();
+      float step_length = applyToDirection(window, drive, found.num_pressed);
+      clearSources();
+      vec2 sums = takeStep(window, found.shift, step_length);
+      if (LOADS && drive.by_load && sums.x > 0.0) factor = drive.pressure_sum / sums.x;
+      if (sums.y > 0.0) before = 0.0;
     }
-    ++iteration;
-    float beta = before > 0.0 ? found.squared_residual / before : 0.0;
-    before = found.squared_residual;
-    clearSources();
-    updateDirection(window, found.shift, beta);
-    workgroupBarrierWithBuffers();
-    float step_length = applyToDirection(window, drive, found.num_pressed);
-    clearSources();
-    vec2 sums = takeStep(window, found.shift, step_length);
-    if (LOADS && drive.by_load && sums.x > 0.0) factor = drive.pressure_sum / sums.x;
-    if (sums.y > 0.0) before = 0.0;
+    updateResidual(window, drive, factor, found);
+    factor = 1.0;
   }
   checkLoop(!ended);
   return iteration;

@@ -26,20 +26,42 @@ bool isReached(Surface surface, uvec2 node) { return isInside(node, surface.reac
 
 #include "elastic_layer/cells.glsl"
 
+// Word of heights[] over a node.
+uint heightWordAt(Surface surface, uvec2 node) {
+  uint at = surface.first_height + node.x * NODE_COLS + node.y;
+  return fourOf(Heights, at / 4u)[at % 4u];
+}
+
+// Words of heights[] over a strip; those past the end of a row belong to other nodes.
+uvec4 heightWordsOver(Surface surface, uvec2 at) {
+  const bool kAligned = NODE_COLS % 4u == 0u;
+  uint first = surface.first_height + at.x * NODE_COLS + at.y, shift = first % 4u;
+  uvec4 low = fourOf(Heights, first / 4u);
+  if (kAligned) return low;
+  uvec4 high = fourOf(Heights, first / 4u + 1u);
+  bvec4 by_two = bvec4((shift & 2u) != 0), by_one = bvec4((shift & 1u) != 0);
+  low = mix(low, uvec4(low.zw, high.xy), by_two);
+  return mix(low, uvec4(low.yzw, by_two.x ? high.z : high.x), by_one);
+}
+
 float heightAt(Surface surface, uvec2 node) {
-  float height = withoutSlot(heights[surface.first_height + node.x * NODE_COLS + node.y]);
+  float height = withoutSlot(heightWordAt(surface, node));
   return AREA ? heightOf(cellAt(surface, node), height) : height;
 }
 
 // Heights over a strip; kMiss outside the nodes that were reached.
 vec4 heightsOver(Surface surface, uvec2 at) {
-  vec4 h = vec4(kMiss);
-  if (at.x < surface.reached.x || at.x >= surface.reached.y) return h;
-  for (uint c = 0; c < kStrip; ++c) {
-    uint col = at.y + c;
-    if (col >= surface.reached.z && col < surface.reached.w) h[c] = heightAt(surface, uvec2(at.x, col));
+  uvec4 words = heightWordsOver(surface, at), col = at.y + uvec4(0, 1, 2, 3);
+  bool row = at.x >= surface.reached.x && at.x < surface.reached.y;
+  uvec4 reached = uvec4(greaterThanEqual(col, uvec4(surface.reached.z))) * uvec4(lessThan(col, uvec4(surface.reached.w))) * uint(row);
+  vec4 h;
+  for (uint c = 0; c < kStrip; ++c) h[c] = withoutSlot(words[c]);
+  if (AREA) {
+    for (uint c = 0; c < kStrip; ++c) {
+      if (reached[c] == 1u) h[c] = heightOf(cellAt(surface, uvec2(at.x, col[c])), h[c]);
+    }
   }
-  return h;
+  return mix(vec4(kMiss), h, equal(reached, uvec4(1)));
 }
 
 // Bounding rectangle of the windows of an instance's tiles, as Surface::reached.
@@ -64,7 +86,7 @@ float lowestHeight(Surface surface, Window window) {
       k += LANES;
     } while (k - v < window.num_strips);
     checkLoop(k < window.num_strips);
-    partial[v] = vec4(highest);
+    setPartial(v, vec4(highest));
     v += WORKGROUP;
   } while (WORKGROUP < LANES && v < window.num_parts);
   return -largestOfPartials(window.num_parts);

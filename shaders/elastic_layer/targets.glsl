@@ -14,17 +14,18 @@ uvec2 targetColumns(Surface surface) { return uvec2(surface.reached.z, surface.r
 
 // Shrinks the window to the sources.
 void shrinkWindow(Surface surface, inout Window window) {
+  if (gl_LocalInvocationIndex == 0) widest = 0;
   workgroupBarrierWithBuffers();
-  uvec2 rows = uvec2(source_rows[0], source_rows[1]);
+  uvec2 rows = sourceRows();
   for (uint row = rows.x + gl_LocalInvocationIndex; row < rows.y; row += WORKGROUP) {
-    if (source_first[row] < source_end[row]) atomicMax(widest, source_end[row] - source_first[row]);
+    if (source_strips[row] != 0) atomicMax(widest, sourcesOfRow(row).y - sourcesOfRow(row).x);
   }
   workgroupBarrierWithBuffers();
-  uint width = widest / kStrip, last = targetColumns(surface).y - width * kStrip;
+  uint width = widest, last = targetColumns(surface).y - width * kStrip;
   for (uint row = rows.x + gl_LocalInvocationIndex; row < rows.y; row += WORKGROUP) {
-    window_first[row] = min(source_first[row], last);
+    window_first[row] = source_strips[row] == 0 ? last : min(sourcesOfRow(row).x * kStrip, last);
   }
-  setWindow(window, uvec2(rows.x, max(rows.y, rows.x) - rows.x), width);
+  setWindow(window, uvec2(rows.x, rows.y - rows.x), width);
   workgroupBarrierWithBuffers();
 }
 

@@ -2,8 +2,8 @@
 // over the window.
 //
 // The window has the same number of strips in each of its rows, but its own first column per row, so that a contact along a diagonal does not need the bounding
-// rectangle. Sources are one range of columns per row.
-// Shared memory: 16 LANES + 12 NODE_ROWS + 12 bytes. A workgroup works on one instance, and all its invocations hold the same Window.
+// rectangle. Sources are one range of strips per row.
+// Shared memory: 16 LANES + 8 NODE_ROWS + 8 bytes. A workgroup works on one instance, and all its invocations hold the same Window.
 
 #include "common/partial_sums.glsl"
 
@@ -18,9 +18,9 @@ struct Window {
 };
 
 shared uint window_first[NODE_ROWS];                         // first column of the window in each row
-shared uint source_first[NODE_ROWS], source_end[NODE_ROWS];  // range of sources in each row
-shared uint source_rows[2];                                  // range of rows that have sources
-shared uint widest;                                          // largest number of columns of a row
+shared uint source_strips[NODE_ROWS];                        // sources of each row, a bit for every kStripsPerBit strips
+shared uint source_rows;                                     // rows that have sources, a bit for every kRowsPerBit rows
+shared uint widest;                                          // largest number of strips of a row
 
 // `rows`: first row, number of rows. The caller sets window_first[].
 void setWindow(inout Window window, uvec2 rows, uint width) {
@@ -45,32 +45,61 @@ void writeStrip(Window window, uint array, uvec2 at, vec4 values) { writeStrip(w
 
 // ---- sources ----
 
+const uint kStripsPerBit = (kRowStrips + 31u) / 32u, kRowsPerBit = (NODE_ROWS + 31u) / 32u;
+
 void clearSources() {
-  for (uint row = gl_LocalInvocationIndex; row < NODE_ROWS; row += WORKGROUP) {
-    source_first[row] = kRowNodes;
-    source_end[row] = 0;
-  }
-  if (gl_LocalInvocationIndex == 0) {
-    source_rows[0] = NODE_ROWS;
-    source_rows[1] = 0;
-    widest = 0;
-  }
+  for (uint row = gl_LocalInvocationIndex; row < NODE_ROWS; row += WORKGROUP) source_strips[row] = 0;
+  if (gl_LocalInvocationIndex == 0) source_rows = 0;
   workgroupBarrierWithBuffers();
 }
 
 void addSource(uvec2 at) {
-  atomicMin(source_first[at.x], at.y);
-  atomicMax(source_end[at.x], at.y + kStrip);
-  atomicMin(source_rows[0], at.x);
-  atomicMax(source_rows[1], at.x + 1u);
+  atomicOr(source_strips[at.x], 1u << at.y / kStrip / kStripsPerBit);
+  atomicOr(source_rows, 1u << at.x / kRowsPerBit);
 }
+
+bool isSource(uvec2 at) { return (source_strips[at.x] >> at.y / kStrip / kStripsPerBit & 1u) == 1u; }
+
+// First and end of what the set bits of a word that is not 0 cover.
+uvec2 rangeOf(uint bits, uint per_bit, uint end) { return uvec2(findLSB(bits) * per_bit, min((findMSB(bits) + 1) * per_bit, end)); }
+
+// First and end of the rows that have sources; may include more rows at both ends.
+uvec2 rowsAroundSources() { return source_rows == 0 ? uvec2(0) : rangeOf(source_rows, kRowsPerBit, NODE_ROWS); }
+
+// First and end of the rows that have sources.
+uvec2 sourceRows() {
+  uvec2 rows = rowsAroundSources();
+  if (kRowsPerBit > 1u) {
+    while (rows.x < rows.y && source_strips[rows.x] == 0) ++rows.x;
+    while (rows.x < rows.y && source_strips[rows.y - 1u] == 0) --rows.y;
+  }
+  return rows;
+}
+
+// First and end of the strips of a row that has sources, in strips.
+uvec2 sourcesOfRow(uint row) { return rangeOf(source_strips[row], kStripsPerBit, kRowStrips); }
 
 // ---- reductions ----
 
-// Sum of the first `count` values of partial[], in a fixed order; every invocation gets it. Many values are first summed in groups.
+// Whether an invocation keeps its partial sum in a register instead of partial[].
+const bool kInRegisters = IN_VECTOR && WORKGROUP == LANES;
+vec4 own_partial = vec4(0);
+
+void setPartial(uint v, vec4 sums) {
+  if (kInRegisters) {
+    own_partial = sums;
+  } else {
+    partial[v] = sums;
+  }
+}
+
+vec4 partialAt(uint v) { return kInRegisters ? own_partial : partial[v]; }
+
+// Sum of the first `count` partial sums, in a fixed order; every invocation gets it. Many are first summed in groups.
 vec4 sumOfPartials(uint count) {
   const uint kGroup = LANES > 16u ? 8u : 1u;
   workgroupBarrierWithBuffers();
+  if (kInRegisters) return sumOverVector(gl_LocalInvocationIndex < count ? own_partial : vec4(0));
   if (kGroup > 1u) {
     for (uint first = kGroup * gl_LocalInvocationIndex; first < count; first += kGroup * WORKGROUP) {
       vec4 sum = vec4(0);
@@ -85,9 +114,10 @@ vec4 sumOfPartials(uint count) {
   return total;
 }
 
-// Largest x component of the first `count` values of partial[]; kNoTarget without any.
+// Largest x component of the first `count` partial sums; kNoTarget without any.
 float largestOfPartials(uint count) {
   workgroupBarrierWithBuffers();
+  if (kInRegisters) return largestOverVector(gl_LocalInvocationIndex < count ? own_partial.x : kNoTarget);
   float largest = kNoTarget;
   for (uint v = 0; v < count; ++v) largest = max(largest, partial[v].x);
   workgroupBarrier();

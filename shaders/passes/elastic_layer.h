@@ -29,7 +29,7 @@ CONSTANT(35, float, IMAGE_DEPTH)       // of the base, m; 0 without one
 BUFFER(0, readonly, Instances)
 BUFFER(1, readonly, Step)
 BUFFER(2, readonly, SensorBlock)
-BUFFER(3, readonly, Heights)
+TEXELS(3, Heights)
 BUFFER(4, readonly, Windows)
 TEXELS(5, Influence)
 BUFFER(6, readonly, SpreadScale)

@@ -64,7 +64,7 @@ class DriverProfile {
   // at a time.
   bool prefersFewBarriers() const { return is_software_; }
 
-  // Whether two words are better fetched as one integer of 64 bits.
+  // Whether two words are better fetched as one integer of 64 bits, and four as a texel, also with barriers.
   bool prefers64BitLoads() const { return paths_.pairs && is_software_ && wide_numbers_.integers; }
 
   // Whether the device can close the loops of servos, with the host's bits.

@@ -116,6 +116,28 @@ TEST(ElasticLayerOnDevice, MostSamplesMatchTheTwin) {
   expectLikeTwin(frame, 0, sensor, twin, support::forceSlack(twin.total_force + twin.off_array_load, deepestOf(sensor, placed)));
 }
 
+// More than 32 rows and more than 32 strips per row, so that a bit of the sources covers two of them.
+TEST(ElasticLayerOnDevice, GridsOfManyStripsMatchTheTwin) {
+  const Sensor sensor =
+      layerSensor({.thickness = 1e-3, .poisson_ratio = 0.4, .iterations = 30}, {.num_rows = 5, .num_cols = 17, .samples_per_taxel = 8});
+  ASSERT_GT(layerNodes(sensor).num_cols, 4 * 32);
+  const double spacing = sensor.patches[0].pitch[1] / 8;
+  const std::vector<Object> objects{Sphere{5e-3}};
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
+  std::vector<Touch> touches;
+  for (int strips = 0; strips < 3; ++strips) {
+    touches.push_back({{0}, {{{1e-3 + strips * spacing, 12e-3 + strips * 4 * spacing, 4.6e-3}, {1, 0, 0, 0}}}});
+  }
+  Simulator simulator(model, {.num_instances = 3});
+  const FrameView frame = stepOnce(simulator, touches);
+  for (std::size_t i = 0; i < touches.size(); ++i) {
+    const auto placed = touches[i].placed(objects);
+    const reference::LayerContact twin = reference::layerContact(sensor, placed);
+    ASSERT_GT(twin.total_force, 0);
+    expectLikeTwin(frame, i, sensor, twin, support::forceSlack(twin.total_force + twin.off_array_load, deepestOf(sensor, placed)));
+  }
+}
+
 // ---- closed forms ----
 
 // Sneddon's exact solution for a sphere on a half-space, as tests/reference/elastic_layer_test.cpp for the twin.

@@ -167,21 +167,21 @@ TEST(ModelErrors, RejectsInvalidTunings) {
   }
 }
 
-// 1024 rows of samples take 12 KiB; 64 partial sums 1 KiB, with friction half as much again and 512 bytes.
+// 1024 rows of samples take 8 KiB; 64 partial sums 1 KiB, with friction half as much again and 512 bytes.
 TEST(ModelErrors, RejectsALayerWithMoreRowsThanSharedMemoryHolds) {
   Sensor sensor = support::gridSensor({.samples_per_taxel = 16});
   const LayerNodes nodes{.num_rows = 1024, .num_cols = 8};
   DeviceInfo small;
   small.name = "small";
-  small.shared_memory = 13328;
+  small.shared_memory = 9228;
   checkLayerFits(small, sensor, nodes, 64);
-  small.shared_memory = 13327;
+  small.shared_memory = 9227;
   EXPECT_THAT(
       inputError([&] { checkLayerFits(small, sensor, nodes, 64); }),
-      ::testing::HasSubstr("samples_per_taxel: 16 is not allowed: an elastic layer with 1024 rows of samples takes 13328 bytes of shared "
-                           "memory, device \"small\" has 13327"));
+      ::testing::HasSubstr("samples_per_taxel: 16 is not allowed: an elastic layer with 1024 rows of samples takes 9228 bytes of shared "
+                           "memory, device \"small\" has 9227"));
   sensor.skin.friction = {.tangential_stiffness = 1e8, .friction_coefficient = 0.5};
-  EXPECT_THAT(inputError([&] { checkLayerFits(small, sensor, nodes, 64); }), ::testing::HasSubstr("takes 14352 bytes"));
+  EXPECT_THAT(inputError([&] { checkLayerFits(small, sensor, nodes, 64); }), ::testing::HasSubstr("takes 10252 bytes"));
 }
 
 // 128 teams of two with the partial sums of 64 lanes need half a megabyte of shared memory, more than any device has.

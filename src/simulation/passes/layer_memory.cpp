@@ -9,7 +9,7 @@ namespace taxelsim {
 // The formula of shaders/elastic_layer.comp.
 void checkLayerFits(const DeviceInfo& info, const Sensor& sensor, const LayerNodes& nodes, std::uint32_t lanes) {
   const std::uint32_t friction = hasFriction(sensor.skin) ? 8 * lanes + 512 : 0;
-  const std::uint32_t bytes = 16 * lanes + 12 * static_cast<std::uint32_t>(nodes.num_rows) + 16 + friction;
+  const std::uint32_t bytes = 16 * lanes + 8 * static_cast<std::uint32_t>(nodes.num_rows) + 12 + friction;
   if (bytes <= info.shared_memory) return;
   throw Error(ErrorKind::kInput, "samples_per_taxel: " + std::to_string(sensor.samples_per_taxel) +
                                      " is not allowed: an elastic layer with " + std::to_string(nodes.num_rows) +
