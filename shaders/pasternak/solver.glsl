@@ -14,11 +14,14 @@
 //            .      .     b     r     .   0       black, and then written: q and p, rows 0 to 3
 //            .      b     r     .     .   1
 
+// Whether all nodes of all blocks exist.
+const bool kWholeRows = kNodeRows % kBlockRows == 0u, kWholeCols = kNodeCols % kBlockCols == 0u;
+
 // A column of a block and of two rows more on either side. `even`: rows -2, 0, 2, 4; `odd`: rows -1, 1, 3, 5.
 struct Column {
   vec4 even, odd;                  // displacements w, m
   vec4 even_overlap, odd_overlap;  // d, m; -kMiss at dead nodes
-  vec4 even_alive, odd_alive;      // 1 or 0
+  bvec4 even_alive, odd_alive;
   vec4 before;                     // displacements of rows 0 to 3 before the sweep
   vec4 even_odd, odd_even;         // links from even[i] to odd[i] and from odd[i] to even[i + 1], N/m
   uvec4 even_links, odd_links;     // with AREA: words of kLinks
@@ -51,41 +54,43 @@ Stack stackAt(uvec2 block, int step_to) {
   return stack;
 }
 
-// c of a link: grows from 1 to 2 while the surface falls by one to two spacings between two nodes, of which one overlaps.
-vec4 linkFactor(vec4 a, vec4 b, float spacing) {
-  vec4 steep = clamp(abs(a - b) / spacing - 1.0, 0.0, 1.0);
-  return 1.0 + steep * vec4(greaterThan(max(a, b), vec4(0)));
+// Links (N/m) between nodes with overlaps a and b, of which one is over skin that is solved. They grow from `link` to twice as much while the surface falls by one
+// to two spacings between two nodes, of which one overlaps.
+vec4 linksOfSlope(vec4 a, vec4 b, float link, float per_spacing) {
+  vec4 steep = clamp(abs(a - b) * (link * per_spacing), link, 2.0 * link);
+  return mix(vec4(link), steep, greaterThan(max(a, b), vec4(0)));
 }
 
+bvec4 bothOf(bvec4 a, bvec4 b) { return bvec4(a.x && b.x, a.y && b.y, a.z && b.z, a.w && b.w); }
+
 // A link to a dead node pulls as much as the displacement falls on the way to it.
-vec4 linkBetween(vec4 factor, vec4 both_alive, float link, float decay) {
-  return link * mix(vec4(1.0 - decay), factor, greaterThan(both_alive, vec4(0)));
-}
+vec4 withDead(vec4 links, bvec4 both_alive, float link, float decay) { return mix(vec4(link * (1.0 - decay)), links, both_alive); }
 
 vec4 previous(vec4 v) { return vec4(0, v.xyz); }
 vec4 next(vec4 v) { return vec4(v.yzw, 0); }
+bvec4 next(bvec4 v) { return bvec4(v.yzw, false); }
 
 // Rows 0 to 3 of a column.
 vec4 ownRows(vec4 even, vec4 odd) { return vec4(even.y, odd.y, even.z, odd.z); }
 
 Links linksBetween(Column a, Column b) {
-  float spacing = nodeSpacing().y;
-  vec4 even = AREA ? colFactors(a.even_links) : linkFactor(a.even_overlap, b.even_overlap, spacing);
-  vec4 odd = AREA ? colFactors(a.odd_links) : linkFactor(a.odd_overlap, b.odd_overlap, spacing);
-  return Links(linkBetween(even, a.even_alive * b.even_alive, LINK_Y, DECAY_Y), linkBetween(odd, a.odd_alive * b.odd_alive, LINK_Y, DECAY_Y));
+  float per_spacing = 1.0 / nodeSpacing().y;
+  vec4 even = AREA ? LINK_Y * colFactors(a.even_links) : linksOfSlope(a.even_overlap, b.even_overlap, LINK_Y, per_spacing);
+  vec4 odd = AREA ? LINK_Y * colFactors(a.odd_links) : linksOfSlope(a.odd_overlap, b.odd_overlap, LINK_Y, per_spacing);
+  return Links(withDead(even, bothOf(a.even_alive, b.even_alive), LINK_Y, DECAY_Y), withDead(odd, bothOf(a.odd_alive, b.odd_alive), LINK_Y, DECAY_Y));
 }
 
 Column deadColumn() {
-  return Column(vec4(0), vec4(0), vec4(-kMiss), vec4(-kMiss), vec4(0), vec4(0), vec4(0), vec4(0), vec4(0), uvec4(0), uvec4(0));
+  return Column(vec4(0), vec4(0), vec4(-kMiss), vec4(-kMiss), bvec4(false), bvec4(false), vec4(0), vec4(0), vec4(0), uvec4(0), uvec4(0));
 }
 
 // Sets the links along x.
 void setRowLinks(inout Column c) {
-  float spacing = nodeSpacing().x;
-  vec4 even = AREA ? rowFactors(c.even_links) : linkFactor(c.even_overlap, c.odd_overlap, spacing);
-  vec4 odd = AREA ? rowFactors(c.odd_links) : linkFactor(c.odd_overlap, next(c.even_overlap), spacing);
-  c.even_odd = linkBetween(even, c.even_alive * c.odd_alive, LINK_X, DECAY_X);
-  c.odd_even = linkBetween(odd, c.odd_alive * next(c.even_alive), LINK_X, DECAY_X);
+  float per_spacing = 1.0 / nodeSpacing().x;
+  vec4 even = AREA ? LINK_X * rowFactors(c.even_links) : linksOfSlope(c.even_overlap, c.odd_overlap, LINK_X, per_spacing);
+  vec4 odd = AREA ? LINK_X * rowFactors(c.odd_links) : linksOfSlope(c.odd_overlap, next(c.even_overlap), LINK_X, per_spacing);
+  c.even_odd = withDead(even, bothOf(c.even_alive, c.odd_alive), LINK_X, DECAY_X);
+  c.odd_even = withDead(odd, bothOf(c.odd_alive, next(c.even_alive)), LINK_X, DECAY_X);
 }
 
 // Reads column `col` of the blocks of a stack, whose second one starts at node `corner`.
@@ -95,19 +100,19 @@ Column readColumn(Stack stack, uvec2 corner, uint col) {
   uint down = columnAddress(0, stack.blocks.z, col);
   vec4 d_up = readRows(up), d = readRows(own), d_down = readRows(down);
   vec4 w_up = readRows(up + stack.to_w.x), w = readRows(own + stack.to_w.y), w_down = readRows(down + stack.to_w.z);
-  bvec4 alive = bvec4(stack.alive.x, stack.alive.y, stack.alive.y, stack.alive.z);
-  uint row = corner.x;
-  bool exists = corner.y + col < kNodes.y;
-  bvec4 even_alive = bvec4(exists && alive.x, exists && alive.y && row < kNodes.x, exists && alive.z && row + 2u < kNodes.x,
-                           exists && alive.w && row + 4u < kNodes.x);
-  bvec4 odd_alive = bvec4(exists && alive.x, exists && alive.y && row + 1u < kNodes.x, exists && alive.z && row + 3u < kNodes.x,
-                          exists && alive.w && row + 5u < kNodes.x);
-  column.even_alive = vec4(even_alive);
-  column.odd_alive = vec4(odd_alive);
-  column.even_overlap = mix(vec4(-kMiss), vec4(d_up.z, d.xz, d_down.x), even_alive);
-  column.odd_overlap = mix(vec4(-kMiss), vec4(d_up.w, d.yw, d_down.y), odd_alive);
-  column.even = mix(vec4(0), max(vec4(w_up.z, w.xz, w_down.x), 0.0), even_alive);
-  column.odd = mix(vec4(0), max(vec4(w_up.w, w.yw, w_down.y), 0.0), odd_alive);
+  bool exists = kWholeCols;
+  if (!kWholeCols) exists = corner.y + col < kNodes.y;
+  bvec4 alive = bvec4(exists && stack.alive.x, exists && stack.alive.y, exists && stack.alive.y, exists && stack.alive.z);
+  column.even_alive = column.odd_alive = alive;
+  if (!kWholeRows) {
+    uvec4 even_rows = corner.x + uvec4(0, 0, 2, 4), odd_rows = corner.x + uvec4(0, 1, 3, 5);  // the first one exists where its block does
+    column.even_alive = bothOf(alive, lessThan(even_rows, uvec4(kNodes.x)));
+    column.odd_alive = bothOf(alive, lessThan(odd_rows, uvec4(kNodes.x)));
+  }
+  column.even_overlap = mix(vec4(-kMiss), vec4(d_up.z, d.xz, d_down.x), column.even_alive);
+  column.odd_overlap = mix(vec4(-kMiss), vec4(d_up.w, d.yw, d_down.y), column.odd_alive);
+  column.even = mix(vec4(0), max(vec4(w_up.z, w.xz, w_down.x), 0.0), column.even_alive);
+  column.odd = mix(vec4(0), max(vec4(w_up.w, w.yw, w_down.y), 0.0), column.odd_alive);
   column.before = ownRows(column.even, column.odd);
   column.even_links = column.odd_links = uvec4(0);
   if (AREA) {
@@ -139,10 +144,10 @@ Equation oddEquation(Column column, Column left, Column right, Links to_left, Li
   return Equation(pull, diagonal);
 }
 
-vec4 relaxed(vec4 w, vec4 overlap, vec4 alive, Equation equation) {
+vec4 relaxed(vec4 w, vec4 overlap, bvec4 alive, Equation equation) {
   vec4 relaxation = AREA ? relaxationOf(equation.diagonal, SPRING + 2.0 * (LINK_X + LINK_Y)) : vec4(OVER_RELAXATION);
   vec4 free = w + relaxation * (equation.pull / equation.diagonal - w);
-  return alive * max(free, max(overlap, 0.0));
+  return mix(vec4(0), max(free, max(overlap, 0.0)), alive);
 }
 
 // The columns of a block and around it that a pass over it holds.
