@@ -1,5 +1,5 @@
-// Tiles that no object is near: how they are found, and their outputs. The includer defines beginTile(), which loads a tile, and is false for one that this
-// dispatch does not compute.
+// Tiles that no object is near: how they are found, and their outputs. Outputs of the taxels of other tiles that nothing reaches. The includer defines
+// beginTile(), which loads a tile, and is false for one that this dispatch does not compute.
 
 bool beginTile(uint instance, uint tile_number, out Tile tile);
 
@@ -63,4 +63,24 @@ uint listTiles(uint first, uint end) {
   }
   workgroupBarrier();
   return num_listed_tiles;
+}
+
+// Clears the taxels that nothing reaches. The image pass reads nothing outside the window of a sensor of one tile with a kernel.
+void clearUntouched(Tile tile, TileStep step, ActiveTaxels taxels) {
+  if (!kClearsHeights && !HAS_CELLS) return;
+  if (!(OUTPUT_JACOBIAN || NUM_TILES > 1 || NUM_ROWS == 0 || OUTPUT_DEPTH || HAS_CELLS)) return;
+  for (uint k = gl_LocalInvocationIndex; k < tile.size.x * tile.size.y; k += WORKGROUP) {
+    uvec2 in_tile = cellNumbered(k, tile.size.y);
+    if (all(greaterThanEqual(in_tile, taxels.first)) && all(lessThan(in_tile, taxels.first + taxels.count))) continue;
+    uvec2 in_patch = in_tile + tile.first_taxel;
+    uint taxel = step.first_taxel + in_patch.x * tile.grid.y + in_patch.y;
+    if (kWritesCells) {
+      node_cells[kNodeCellWords * taxel + 1u] = 0;
+      continue;
+    }
+    contact_normal[taxel] = kGlobalSolve ? kMiss : 0.0;
+    if (OUTPUT_SHEAR) writeShear(taxel, vec2(0));
+    if (OUTPUT_DEPTH) contact_depth[taxel] = 0.0;
+    if (OUTPUT_JACOBIAN) clearCell(taxel);
+  }
 }

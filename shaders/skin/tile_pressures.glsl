@@ -390,23 +390,3 @@ void pressTaxels(Tile tile, TileStep step, ActiveTaxels taxels, inout Found foun
   if (deep > 0) atomicAdd(num_deep, deep);
   if (NUM_ROWS == 0 && found.below_floor && tile.X_PS.row2.z > kLooksUp) atomicOr(any_behind, 1u);
 }
-
-// Clears the taxels that nothing reaches. The image pass reads nothing outside the window of a sensor of one tile with a kernel.
-void clearUntouched(Tile tile, TileStep step, ActiveTaxels taxels) {
-  if (!kClearsHeights && !HAS_CELLS) return;
-  if (!(OUTPUT_JACOBIAN || NUM_TILES > 1 || NUM_ROWS == 0 || OUTPUT_DEPTH || HAS_CELLS)) return;
-  for (uint k = gl_LocalInvocationIndex; k < tile.size.x * tile.size.y; k += WORKGROUP) {
-    uvec2 in_tile = cellNumbered(k, tile.size.y);
-    if (all(greaterThanEqual(in_tile, taxels.first)) && all(lessThan(in_tile, taxels.first + taxels.count))) continue;
-    uvec2 in_patch = in_tile + tile.first_taxel;
-    uint taxel = step.first_taxel + in_patch.x * tile.grid.y + in_patch.y;
-    if (kWritesCells) {
-      node_cells[kNodeCellWords * taxel + 1u] = 0;
-      continue;
-    }
-    contact_normal[taxel] = kGlobalSolve ? kMiss : 0.0;
-    if (OUTPUT_SHEAR) writeShear(taxel, vec2(0));
-    if (OUTPUT_DEPTH) contact_depth[taxel] = 0.0;
-    if (OUTPUT_JACOBIAN) clearCell(taxel);
-  }
-}
