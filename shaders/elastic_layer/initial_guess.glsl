@@ -86,8 +86,8 @@ vec4 displaceByPressures(Window window) {
   return sumOfPartials(window.num_parts);
 }
 
-// Sets the pressures, the residual and `found` that the solver starts from, found.shift given. Pressures are scaled so that they carry the load, or, without a load, so that the
-// quadratic energy along them is least.
+// Sets the pressures, the residual and `found` that the solver starts from, found.shift given. Pressures are scaled so that they carry the load, or, without a
+// load, so that the quadratic energy along them is least.
 void initializePressures(Window window, Drive drive, inout Solution found) {
   float shift = found.shift;
   bool warm = previousPressuresFit(window, shift, drive);

@@ -162,8 +162,8 @@ vec2 takeStep(Window window, float shift, float step_length) {
   return sumOfPartials(window.num_parts).xy;
 }
 
-// Iterates from the pressures and `found` of initializePressures() until the error is at most TOLERANCE; returns the number of iterations. A load that even full depth
-// does not carry ends as full depth, with drive.by_load false.
+// Iterates from the pressures and `found` of initializePressures() until the error is at most TOLERANCE; returns the number of iterations. A load that even
+// full depth does not carry ends as full depth, with drive.by_load false.
 uint solve(Window window, inout Solution found, inout Drive drive) {
   uint iteration = 0, end = ITERATIONS;
   float factor = 1.0;

@@ -13,8 +13,8 @@ void addSource(inout Spread sum, uint source, float weight) {
 
 // ---- a grid patch with a kernel of 3 x 3: a window slides along a row ----
 //
-// Sources outside the window of contact are 0. A step fetches three sources instead of nine; two neighbouring rows at once fetch four instead of eighteen. With PAIRS
-// a step processes two columns, the first of which is even: it loads sources and stores counts two at a time.
+// Sources outside the window of contact are 0. A step fetches three sources instead of nine; two neighbouring rows at once fetch four instead of eighteen.
+// With PAIRS a step processes two columns, the first of which is even: it loads sources and stores counts two at a time.
 //
 //   column:   before  here  after          Kernel::...[d]: weight of the source in row i - 1 + d of that column, for the taxel at (i, j)
 //   row i-1      x      x      x

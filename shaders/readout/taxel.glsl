@@ -84,8 +84,8 @@ void writeCounts(uint taxel, uvec2 counts) {
   }
 }
 
-// Stages 3 to 5 of row `i` of the window and, with kRowsAtOnce 2, of the next row if there is one. A pair of taxels may begin before the window or end behind it, where
-// forces and counts are 0.
+// Stages 3 to 5 of row `i` of the window and, with kRowsAtOnce 2, of the next row if there is one. A pair of taxels may begin before the window or end behind
+// it, where forces and counts are 0.
 void readRows(Instance instance, Kernel kernel, Lag lag, uint i, uvec2 seed, inout ImageSums sums, inout ImageSums next_sums) {
   ImageSums row = noSums(), next_row = noSums();
   uvec2 at = instance.window.first + uvec2(i, 0);
