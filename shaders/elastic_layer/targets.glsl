@@ -9,8 +9,11 @@ void setTarget(Window window, uvec2 at, vec4 target, float limit) {
   if (largestOf(target) > kNoTarget) addSource(at);
 }
 
-// The columns for which setTargets() stores targets, in whole strips: first, end.
-uvec2 targetColumns(Surface surface) { return uvec2(surface.reached.z, surface.reached.w + kStrip - 1u) / kStrip * kStrip; }
+// The columns for which setTargets() stores targets: first, end. They are those of whole bits of source_strips[], so that ranges of sources stay in the window.
+uvec2 targetColumns(Surface surface) {
+  const uint kBitNodes = kStripsPerBit * kStrip;
+  return min(uvec2(surface.reached.z, surface.reached.w + kBitNodes - 1u) / kBitNodes * kBitNodes, uvec2(kRowNodes));
+}
 
 // Shrinks the window to the sources.
 void shrinkWindow(Surface surface, inout Window window) {

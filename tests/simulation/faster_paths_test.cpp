@@ -288,6 +288,13 @@ TEST(FasterPathsOnEveryDriver, NoStateRemainsAfterReset) {
   expectNothingIsLeft(sensor, false);
 }
 
+// So wide that a bit of the elastic layer's sources covers two strips of nodes.
+TEST(FasterPathsOnEveryDriver, NoStateRemainsOnAWideElasticLayer) {
+  Sensor layer = support::gridSensor({.num_rows = 3, .num_cols = 17, .samples_per_taxel = 8, .thickness = 1e-3});
+  layer.skin.law = ElasticLayer{.elastic_modulus = 1e6, .poisson_ratio = 0.4};
+  expectNothingIsLeft(layer, false);
+}
+
 TEST(FasterPathsOnEveryDriver, NoStateRemainsOnManyTiles) {
   Sensor sensor = support::gridSensor({.num_rows = 48, .num_cols = 48, .samples_per_taxel = 4, .law = {1.73e8, 1, 1e5}});
   sensor.skin.friction = {.tangential_stiffness = 5e7, .friction_coefficient = 0.8};
