@@ -13,7 +13,6 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "report.h"
@@ -216,8 +215,6 @@ int run(const Options& options) {
     warm.push_back(firstFrameSeconds(options, cache));
   }
 
-  // As `taxelsim generate` does (src/cli/driver_threads.h).
-  ::setenv("LP_NUM_THREADS", std::to_string(2 * std::max(std::thread::hardware_concurrency(), 1u)).c_str(), 0);
   const Device device = Device::open({.device = options.device});
   const Scene scene = loadScene(options.scene, {.num_episodes = options.num_episodes, .seed = {}});
   ModelOptions model_options{.sensor = scene.sensor};

@@ -109,8 +109,6 @@ def generate_rate(num_envs: int) -> float:
 
 def environment_part(options: argparse.Namespace) -> dict[str, Any]:
     """VectorEnv.step() and generate."""
-    # What generate sets for itself.
-    environment = {"LP_NUM_THREADS": os.environ.get("LP_NUM_THREADS", str(2 * (os.cpu_count() or 1)))}
     policies = {"servo": "NumPy servo", "mlp": "64-64 network, onnxruntime"}
     script = [sys.executable, HERE / "environment_rate.py", SCENE, options.envs]
     rates: dict[str, list[float]] = {name: [] for name in ("generate", *policies)}
@@ -118,11 +116,11 @@ def environment_part(options: argparse.Namespace) -> dict[str, Any]:
     for _ in range(options.turns):
         rates["generate"].append(generate_rate(options.envs))
         for name in policies:
-            result = json.loads(output_of([*script, name, 1], environment))
+            result = json.loads(output_of([*script, name, 1]))
             rates[name].append(result.pop("frames_per_second"))
             details[name].append(result)
     generate = summary(rates["generate"])
-    results: dict[str, Any] = {"scene": SCENE.name, "num_envs": options.envs, **environment, "generate": generate}
+    results: dict[str, Any] = {"scene": SCENE.name, "num_envs": options.envs, "generate": generate}
     for name, title in policies.items():
         over = ratio(rates[name], rates["generate"])
         results[name] = {**summary(rates[name]), "over_generate": over, "details": details[name]}

@@ -67,8 +67,9 @@ std::vector<DeviceInfo> listDevices();
 ///
 /// Threads: may be used from several threads at once. Submissions are serialised by a lock. Do not fork() while a device is open.
 ///
-/// The library does not change the environment of its process. With Mesa's software driver, a program that calls generate() or evaluate()
-/// gains speed by setting LP_NUM_THREADS to twice the number of cores before it opens a device (docs/drivers.md).
+/// The library does not change the environment of its process. open() binds each thread that Mesa's software driver computes with to a
+/// processor of the calling thread's affinity mask, if there is one such thread per processor (docs/drivers.md); the caller's threads stay
+/// free.
 class Device {
  public:
   /// Opens a device. Waits.

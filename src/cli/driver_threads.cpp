@@ -1,5 +1,6 @@
 #include "cli/driver_threads.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <string>
 
@@ -10,8 +11,7 @@ namespace taxelsim::cli {
 void setDriverThreads(int num_processes) {
   static const bool is_given = std::getenv("LP_NUM_THREADS") != nullptr;
   if (is_given) return;
-  const int num_processors = usableProcessors() / num_processes;
-  const int num_threads = num_processes > 1 && num_processors <= 1 ? 1 : 2 * num_processors;
+  const int num_threads = std::max(1, usableProcessors() / num_processes);
   ::setenv("LP_NUM_THREADS", std::to_string(num_threads).c_str(), 1);
 }
 

@@ -9,6 +9,8 @@
 
 #include "base/files.h"
 #include "base/log.h"
+#include "gpu/driver_profile.h"
+#include "gpu/driver_threads.h"
 #include "gpu/vulkan.h"
 #include "taxelsim/error.h"
 #include "taxelsim/version.h"
@@ -107,6 +109,33 @@ std::string listNames(const std::vector<DeviceInfo>& infos) {
   return names.empty() ? "none" : names;
 }
 
+// Index of the first device that matches `wanted`, or TAXELSIM_DEVICE if it is empty. Throws Error(kDevice) if there is none.
+std::size_t chooseDevice(const std::vector<DeviceInfo>& infos, std::string wanted) {
+  std::string source = "--device";
+  if (wanted.empty()) {
+    if (const char* environment = std::getenv("TAXELSIM_DEVICE")) wanted = environment;
+    source = "TAXELSIM_DEVICE";
+  }
+  const auto chosen = std::find_if(infos.begin(), infos.end(), [&](const DeviceInfo& info) { return matches(info, wanted); });
+  if (chosen != infos.end()) return static_cast<std::size_t>(chosen - infos.begin());
+  throw Error(ErrorKind::kDevice,
+              infos.empty() ? kNoDevice : source + ": no device matches \"" + wanted + "\"; there is " + listNames(infos));
+}
+
+// The first family of queues that compute. One without graphics is preferred: it does not wait for the desktop.
+std::uint32_t chooseQueueFamily(const vk::raii::PhysicalDevice& device) {
+  const std::vector<vk::QueueFamilyProperties> families = device.getQueueFamilyProperties();
+  const auto find = [&](bool with_graphics) {
+    return std::find_if(families.begin(), families.end(), [&](const vk::QueueFamilyProperties& family) {
+      const bool has_graphics = static_cast<bool>(family.queueFlags & vk::QueueFlagBits::eGraphics);
+      return (family.queueFlags & vk::QueueFlagBits::eCompute) && (with_graphics || !has_graphics);
+    });
+  };
+  auto chosen = find(false);
+  if (chosen == families.end()) chosen = find(true);
+  return static_cast<std::uint32_t>(chosen - families.begin());
+}
+
 }  // namespace
 
 void throwDeviceError(const vk::SystemError& error, const std::string& what, const std::string& advice) {
@@ -124,6 +153,7 @@ void throwDeviceError(const vk::SystemError& error, const std::string& what, con
 Context::Context(const DeviceOptions& options) : vulkan_(std::make_unique<Vulkan>(openLoader())), keeps_kernels_(options.keep_kernels) {
   const bool validation = options.validation || environmentFlag("TAXELSIM_VALIDATION");
   Vulkan& vulkan = *vulkan_;
+  const DriverThreads driver_threads;
   checked("opening Vulkan", "", [&] { vulkan.instance = makeInstance(vulkan.loader, validation); });
   if (validation) {
     using Severity = vk::DebugUtilsMessageSeverityFlagBitsEXT;
@@ -132,38 +162,20 @@ Context::Context(const DeviceOptions& options) : vulkan_(std::make_unique<Vulkan
     vulkan.messenger = vulkan.instance.createDebugUtilsMessengerEXT(
         {{}, Severity::eWarning | Severity::eError, Type::eValidation | Type::ePerformance, onMessage, vulkan_.get()});
   }
-
   std::vector<vk::raii::PhysicalDevice> handles;
   const std::vector<DeviceInfo> infos = describeDevices(vulkan.instance, &handles);
-  std::string wanted = options.device;
-  std::string source = "--device";
-  if (wanted.empty()) {
-    if (const char* environment = std::getenv("TAXELSIM_DEVICE")) wanted = environment;
-    source = "TAXELSIM_DEVICE";
-  }
-  const DeviceInfo* chosen = nullptr;
-  for (const DeviceInfo& info : infos) {
-    if (chosen == nullptr && matches(info, wanted)) chosen = &info;
-  }
-  if (chosen == nullptr) {
-    throw Error(ErrorKind::kDevice,
-                infos.empty() ? kNoDevice : source + ": no device matches \"" + wanted + "\"; there is " + listNames(infos));
-  }
-  info_ = *chosen;
-  vulkan.physical = handles[static_cast<std::size_t>(chosen - infos.data())];
+  const std::size_t chosen = chooseDevice(infos, options.device);
+  info_ = infos[chosen];
+  vulkan.physical = handles[chosen];
+  checked("opening device " + info_.name, "", [&] { openDevice(); });
+  if (DriverProfile(info_, wide_numbers_, fastPaths()).bindsThreads()) driver_threads.bindToProcessors();
+  logDebug("device " + std::to_string(info_.index) + ": " + info_.name + " (" + info_.driver + ")");
+}
 
-  const std::vector<vk::QueueFamilyProperties> families = vulkan.physical.getQueueFamilyProperties();
-  // A family without graphics does not wait for the desktop.
-  for (const bool dedicated : {false, true}) {
-    for (std::uint32_t i = 0; i < families.size(); ++i) {
-      const bool graphics = static_cast<bool>(families[i].queueFlags & vk::QueueFlagBits::eGraphics);
-      if ((families[i].queueFlags & vk::QueueFlagBits::eCompute) && (!dedicated || !graphics)) {
-        vulkan.queue_family = i;
-        vulkan.timestamp_bits = families[i].timestampValidBits;
-        break;
-      }
-    }
-  }
+void Context::openDevice() {
+  Vulkan& vulkan = *vulkan_;
+  vulkan.queue_family = chooseQueueFamily(vulkan.physical);
+  vulkan.timestamp_bits = vulkan.physical.getQueueFamilyProperties()[vulkan.queue_family].timestampValidBits;
   vulkan.timestamp_period = static_cast<double>(vulkan.physical.getProperties().limits.timestampPeriod) * 1e-9;
   const float priority = 1;
   const vk::DeviceQueueCreateInfo queue({}, vulkan.queue_family, 1, &priority);
@@ -172,14 +184,11 @@ Context::Context(const DeviceOptions& options) : vulkan_(std::make_unique<Vulkan
   features.shaderInt64 = available.shaderInt64;
   features.shaderFloat64 = available.shaderFloat64;
   wide_numbers_ = {.integers = features.shaderInt64 == VK_TRUE, .floats = features.shaderFloat64 == VK_TRUE};
-  checked("opening device " + info_.name, "", [&] {
-    vulkan.device = vk::raii::Device(vulkan.physical, vk::DeviceCreateInfo({}, queue, {}, {}, &features));
-    vulkan.queue = vulkan.device.getQueue(vulkan.queue_family, 0);
-    const std::filesystem::path file = keeps_kernels_ ? cacheFile(info_) : std::filesystem::path();
-    const std::string bytes = file.empty() ? std::string() : readCache(file);
-    vulkan.pipeline_cache = vulkan.device.createPipelineCache({{}, bytes.size(), bytes.data()});
-  });
-  logDebug("device " + std::to_string(info_.index) + ": " + info_.name + " (" + info_.driver + ")");
+  vulkan.device = vk::raii::Device(vulkan.physical, vk::DeviceCreateInfo({}, queue, {}, {}, &features));
+  vulkan.queue = vulkan.device.getQueue(vulkan.queue_family, 0);
+  const std::filesystem::path file = keeps_kernels_ ? cacheFile(info_) : std::filesystem::path();
+  const std::string bytes = file.empty() ? std::string() : readCache(file);
+  vulkan.pipeline_cache = vulkan.device.createPipelineCache({{}, bytes.size(), bytes.data()});
 }
 
 Context::~Context() {

@@ -35,6 +35,8 @@ class Context {
   Vulkan& vulkan() { return *vulkan_; }
 
  private:
+  void openDevice();  // the physical device that was chosen
+
   std::unique_ptr<Vulkan> vulkan_;
   DeviceInfo info_;
   WideNumbers wide_numbers_;

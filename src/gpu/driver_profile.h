@@ -20,6 +20,7 @@ struct FastPaths {
   bool lockstep = true;    // no barriers in workgroups that are one vector of a software driver, and loads through texel buffers
   bool alone = true;       // one invocation per item of work instead of a team
   bool servo = true;       // closed loops of free-flying servos on the device
+  bool threads = true;     // each thread of a software driver keeps to a processor; from the opening of a device on
   bool sequences = true;   // long sequences of tiles under fine meshes, of which a workgroup may leave some to a second dispatch
 };
 
@@ -72,6 +73,9 @@ class DriverProfile {
   // Whether it should. A software device would compute on the processors what the host computes there anyway.
   bool prefersServosOnDevice() const { return paths_.servo && canRunServos() && !is_software_; }
 
+  // Whether the driver's threads are bound to processors: gpu/driver_threads.h.
+  bool bindsThreads() const { return paths_.threads && vector_size_ > 0; }
+
   // The variant for workgroups of this size. A workgroup that is one vector of Mesa's software driver runs in lockstep. kNoneWaits:
   // invocations do not wait for each other, whatever the size.
   static constexpr std::uint32_t kNoneWaits = 1;
@@ -82,7 +86,7 @@ class DriverProfile {
 
  private:
   FastPaths paths_;
-  std::uint32_t vector_size_ = 0;  // lanes that run in lockstep; 0: unknown
+  std::uint32_t vector_size_ = 0;  // lanes that run in lockstep; 0: unknown, not Mesa's software driver
   bool is_software_ = false;
   WideNumbers wide_numbers_;
   bool has_own_memory_ = false;

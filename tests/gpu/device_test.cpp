@@ -2,12 +2,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sched.h>
+
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <set>
+#include <string>
 
 #include "gpu/buffer.h"
 #include "gpu/device_access.h"
 #include "gpu/vulkan.h"
+#include "support/plain.h"
 #include "taxelsim/device.h"
 #include "taxelsim/error.h"
 
@@ -28,6 +34,26 @@ std::string deviceError(Call&& call) {
   }
   ADD_FAILURE() << "nothing thrown";
   return "";
+}
+
+// The processors to which one thread each of this process is bound.
+std::multiset<int> boundProcessors() {
+  std::multiset<int> processors;
+  for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task")) {
+    cpu_set_t mask;
+    if (::sched_getaffinity(std::stoi(thread.path().filename()), sizeof(mask), &mask) != 0 || CPU_COUNT(&mask) != 1) continue;
+    for (int i = 0; i < CPU_SETSIZE; ++i) {
+      if (CPU_ISSET(i, &mask)) processors.insert(i);
+    }
+  }
+  return processors;
+}
+
+std::string nameOfThread() {
+  std::ifstream stream("/proc/thread-self/comm");
+  std::string name;
+  std::getline(stream, name);
+  return name;
 }
 
 TEST(Devices, AreListedBestFirst) {
@@ -51,6 +77,33 @@ TEST(Devices, AreChosenByNumberNameAndKind) {
   if (first.type == DeviceType::kCpu) {
     EXPECT_EQ(Device::open({.device = "cpu"}).info().name, first.name);
   }
+}
+
+TEST(Devices, MesasDriverThreadsKeepToAProcessorEach) {
+  cpu_set_t mask;
+  ASSERT_EQ(::sched_getaffinity(0, sizeof(mask), &mask), 0);
+  const std::multiset<int> before = boundProcessors();
+  const std::string name = nameOfThread();
+  {
+    const support::Plain plain("threads");
+    const Device device = Device::open();
+    EXPECT_EQ(boundProcessors(), before);
+  }
+  {
+    const Device device = Device::open(), another = Device::open();
+    const bool binds = device.info().driver.starts_with("llvmpipe ") && CPU_COUNT(&mask) > 1 && std::getenv("LP_NUM_THREADS") == nullptr;
+    std::multiset<int> bound = before;
+    for (int i = 0; i < CPU_SETSIZE; ++i) {
+      if (!binds || !CPU_ISSET(i, &mask)) continue;
+      for (int k = 0; k < 2; ++k) bound.insert(i);  // one thread of each device
+    }
+    EXPECT_EQ(boundProcessors(), bound);
+    EXPECT_EQ(nameOfThread(), name);
+    cpu_set_t mask_after;
+    ASSERT_EQ(::sched_getaffinity(0, sizeof(mask_after), &mask_after), 0);
+    EXPECT_TRUE(CPU_EQUAL(&mask, &mask_after)) << "the thread that opens a device stays free";
+  }
+  EXPECT_EQ(boundProcessors(), before) << "threads outlive their device";
 }
 
 TEST(Devices, AnUnknownOneIsAnErrorThatListsAll) {

@@ -334,9 +334,9 @@ TEST(FasterPathsOnEveryDriver, RejectsAnUnknownName) {
     FAIL() << "taken";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    EXPECT_STREQ(
-        error.what(),
-        "TAXELSIM_PLAIN: \"pears\" is not allowed: pairs, polyhedra, kinds, untouched, candidates, lockstep, alone, sequences, servo, all");
+    EXPECT_STREQ(error.what(),
+                 "TAXELSIM_PLAIN: \"pears\" is not allowed: pairs, polyhedra, kinds, untouched, candidates, lockstep, alone, sequences, "
+                 "threads, servo, all");
   }
 }
 
