@@ -21,12 +21,13 @@ constexpr double kFewSamples = 2, kEnoughSamples = 4;
 // Nodes across an object below which their cells may miss it with area sampling: the outline is then within one cell.
 constexpr double kFewCells = 1.5;
 
-// The smallest extent of the object along its axes, m.
-double narrowest(const Object& object) {
+// The extents of the object along its axes, m, the smallest first.
+std::array<double, 3> extentsOf(const Object& object) {
   const Bounds bounds = boundsOf(object);
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t axis = 0; axis < 3; ++axis) least = std::min(least, static_cast<double>(bounds.max[axis]) - bounds.min[axis]);
-  return least;
+  std::array<double, 3> extents{};
+  for (std::size_t axis = 0; axis < 3; ++axis) extents[axis] = static_cast<double>(bounds.max[axis]) - bounds.min[axis];
+  std::sort(extents.begin(), extents.end());
+  return extents;
 }
 
 std::string millimetres(double length) {
@@ -49,12 +50,15 @@ void warnOfSmallObjects(const Sensor& sensor, std::span<const Object> objects) {
   const int parts = is_foundation ? pasternakRefinement(sensor) : 1;
   const double pitch = coarsestPitch(sensor), spacing = pitch / (sensor.samples_per_taxel * parts);
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    const double width = narrowest(objects[i]);
-    if (!(width < (is_area ? kFewCells : kFewSamples) * spacing)) continue;
+    const std::array<double, 3> extents = extentsOf(objects[i]);
+    const double width = extents[0], least_width = (is_area ? kFewCells : kFewSamples) * spacing;
+    const bool is_plate = extents[1] >= least_width;
+    if (!(width < least_width)) continue;
     const double count = std::ceil(kEnoughSamples * pitch / width);
     const std::string name = objects[i].name.empty() ? std::to_string(i) : oneLine(objects[i].name);
     std::string line = "object " + name + " is " + millimetres(width) + " wide, " + (is_foundation ? "nodes" : "samples") + " are " +
-                       millimetres(spacing) + " apart: its force depends on where it lies between them; ";
+                       millimetres(spacing) + " apart: " + (is_plate ? "where it touches with an edge, " : "") +
+                       "its force depends on where it lies between them; ";
     if (!is_foundation) line += "depth_sampling: area counts all of it";
     if (!is_foundation && count <= kMaxSamplesPerTaxel) line += ", ";
     if (count <= kMaxSamplesPerTaxel) line += "samples_per_taxel: " + std::to_string(static_cast<int>(count)) + " sees it";
