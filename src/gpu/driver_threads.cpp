@@ -18,17 +18,18 @@
 namespace taxelsim::gpu {
 namespace {
 
-// Mesa names the threads that draw, which start before those of compute kernels. The latter have no name of their own.
+// Mesa starts a thread that submits, one per processor that draws, one per processor that computes, and possibly one that writes the shader
+// cache. Those that draw and that write give themselves other names as soon as they run; this is the beginning of the former.
 constexpr const char* kDrawingThread = "llvmpipe-";
 
 // Numbers and names of this process's threads, the oldest first as long as Linux has not used up its numbers.
 std::vector<std::pair<pid_t, std::string>> threadsOfProcess() {
   std::vector<std::pair<pid_t, std::string>> threads;
   std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/task", error)) {
+  for (std::filesystem::directory_iterator entry("/proc/self/task", error), end; !error && entry != end; entry.increment(error)) {
     std::string name;
-    if (std::ifstream stream(entry.path() / "comm"); std::getline(stream, name)) {
-      threads.emplace_back(std::atoi(entry.path().filename().c_str()), name);
+    if (std::ifstream stream(entry->path() / "comm"); std::getline(stream, name)) {
+      threads.emplace_back(std::atoi(entry->path().filename().c_str()), name);
     }
   }
   std::sort(threads.begin(), threads.end());
@@ -60,17 +61,18 @@ void DriverThreads::bindToProcessors() const {
   cpu_set_t allowed;
   if (::sched_getaffinity(0, sizeof(allowed), &allowed) != 0) return;  // also on machines of more than CPU_SETSIZE processors
   const std::vector<int> processors = processorsOf(allowed);
-  std::vector<pid_t> computing;
+  const std::size_t count = processors.size(), num_without_writer = 1 + 2 * count;
+  std::vector<pid_t> started;
   for (const auto& [id, name] : threadsOfProcess()) {
-    if (name.starts_with(kDrawingThread)) computing.clear();  // what came before submits
-    if (name == name_.data() && id != ::gettid()) computing.push_back(id);
+    const bool has_our_name = name == name_.data() && id != ::gettid();
+    if (has_our_name || (!started.empty() && name.starts_with(kDrawingThread))) started.push_back(id);
   }
-  if (processors.size() < 2 || computing.size() != processors.size()) return;
-  for (std::size_t i = 0; i < computing.size(); ++i) {
+  if (count < 2 || started.size() < num_without_writer || started.size() > num_without_writer + 1) return;
+  for (std::size_t i = 0; i < count; ++i) {
     cpu_set_t one;
     CPU_ZERO(&one);
     CPU_SET(processors[i], &one);
-    ::sched_setaffinity(computing[i], sizeof(one), &one);
+    ::sched_setaffinity(started[1 + count + i], sizeof(one), &one);
   }
 }
 

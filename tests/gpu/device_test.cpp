@@ -36,24 +36,25 @@ std::string deviceError(Call&& call) {
   return "";
 }
 
+std::string nameOfThread(const std::filesystem::path& thread) {
+  std::ifstream stream(thread / "comm");
+  std::string name;
+  std::getline(stream, name);
+  return name;
+}
+
 // The processors to which one thread each of this process is bound.
 std::multiset<int> boundProcessors() {
   std::multiset<int> processors;
   for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task")) {
     cpu_set_t mask;
     if (::sched_getaffinity(std::stoi(thread.path().filename()), sizeof(mask), &mask) != 0 || CPU_COUNT(&mask) != 1) continue;
+    EXPECT_THAT(nameOfThread(thread), testing::Not(testing::StartsWith("llvmpipe-"))) << "threads that draw compute nothing";
     for (int i = 0; i < CPU_SETSIZE; ++i) {
       if (CPU_ISSET(i, &mask)) processors.insert(i);
     }
   }
   return processors;
-}
-
-std::string nameOfThread() {
-  std::ifstream stream("/proc/thread-self/comm");
-  std::string name;
-  std::getline(stream, name);
-  return name;
 }
 
 TEST(Devices, AreListedBestFirst) {
@@ -83,7 +84,7 @@ TEST(Devices, MesasDriverThreadsKeepToAProcessorEach) {
   cpu_set_t mask;
   ASSERT_EQ(::sched_getaffinity(0, sizeof(mask), &mask), 0);
   const std::multiset<int> before = boundProcessors();
-  const std::string name = nameOfThread();
+  const std::string name = nameOfThread("/proc/thread-self");
   {
     const support::Plain plain("threads");
     const Device device = Device::open();
@@ -98,7 +99,7 @@ TEST(Devices, MesasDriverThreadsKeepToAProcessorEach) {
       for (int k = 0; k < 2; ++k) bound.insert(i);  // one thread of each device
     }
     EXPECT_EQ(boundProcessors(), bound);
-    EXPECT_EQ(nameOfThread(), name);
+    EXPECT_EQ(nameOfThread("/proc/thread-self"), name);
     cpu_set_t mask_after;
     ASSERT_EQ(::sched_getaffinity(0, sizeof(mask_after), &mask_after), 0);
     EXPECT_TRUE(CPU_EQUAL(&mask, &mask_after)) << "the thread that opens a device stays free";
