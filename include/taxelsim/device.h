@@ -75,7 +75,7 @@ class Device {
   /// Opens a device. Waits.
   ///
   /// Throws Error(kDevice) when no device matches, with a list of those that exist, and when validation is requested but its layers are not
-  /// installed.
+  /// installed; Error(kInput) for an unknown name in the environment variable TAXELSIM_PLAIN (docs/performance.md).
   static Device open(const DeviceOptions& options = {});
 
   /// Description of the device; valid as long as any handle.
