@@ -71,21 +71,33 @@ bool groupReaches(Tile tile, MeshView view, uint group, out uint items) {
   return boxReaches(tile, view, words.xyz);
 }
 
+// Number of the cluster at a place of the listed groups, of which each has kClustersPerGroup; false where the group has fewer clusters.
+bool clusterAt(uint place, out uint cluster) {
+  uint group = group_list[place / kClustersPerGroup], at = place % kClustersPerGroup;
+  cluster = (group & kFirstMask) + at;
+  return at <= group >> kFirstBits;
+}
+
 // Visits all quads of the clusters of the listed groups that reach into the tile. All invocations call it after a barrier; it ends with one.
 void visitListedGroups(Tile tile, MeshView view, inout Found found) {
-  uint lane = gl_LocalInvocationIndex;
-  for (uint g = 0; g < num_listed_groups; ++g) {
-    uint group = group_list[g];
-    uint first = (group & kFirstMask) + lane, end = (group & kFirstMask) + (group >> kFirstBits) + 1u;
-    // Collected as bits, so that one atomicAdd makes room for all clusters that this invocation finds.
-    uint reaching = 0;
-    for (uint c = first, bit = 1u; c < end; c += WORKGROUP, bit <<= 1) {
-      if (boxReaches(tile, view, fourOf(Clusters, c).xyz)) reaching |= bit;
-    }
-    if (reaching == 0) continue;
+  const uint kRounds = 32;  // whose clusters are collected as bits, so that one atomicAdd makes room for all that an invocation finds
+  uint lane = gl_LocalInvocationIndex, num_places = num_listed_groups * kClustersPerGroup;
+  uint start = 0, cluster;
+  if (num_places > 0) do {
+    uint i = start, end = min(start + kRounds * WORKGROUP, num_places), reaching = 0, bit = 1;
+    do {
+      if (i + lane < end && clusterAt(i + lane, cluster) && boxReaches(tile, view, fourOf(Clusters, cluster).xyz)) reaching |= bit;
+      bit <<= 1;
+      i += WORKGROUP;
+    } while (i < end);
     uint at = atomicAdd(num_listed_clusters, uint(bitCount(reaching)));
-    for (; reaching != 0; reaching &= reaching - 1u) cluster_list[at++] = first + uint(findLSB(reaching)) * WORKGROUP;
-  }
+    for (; reaching != 0; reaching &= reaching - 1u) {
+      clusterAt(start + lane + uint(findLSB(reaching)) * WORKGROUP, cluster);
+      cluster_list[at++] = cluster;
+    }
+    start += kRounds * WORKGROUP;
+  } while (start < num_places);
+  checkLoop(start < num_places);
   workgroupBarrier();
   countIterations(num_listed_groups * kClustersPerGroup);
   visitListedQuads(tile, view, num_listed_clusters * kQuadsPerCluster, found);
@@ -94,18 +106,19 @@ void visitListedGroups(Tile tile, MeshView view, inout Found found) {
 
 // Visits the mesh in batches of GROUPS_PER_BATCH groups.
 void visitMesh(Tile tile, Body body, MeshView view, inout Found found) {
-  uint end_group = body.kind_groups.y + body.kind_groups.z;
-  uint items;
-  uint start = body.kind_groups.y;
-  for (; start < end_group; start += GROUPS_PER_BATCH) {
-    if (gl_LocalInvocationIndex == 0) num_listed_groups = num_listed_clusters = 0;
+  uint lane = gl_LocalInvocationIndex, start = body.kind_groups.y, end_group = start + body.kind_groups.z;
+  do {
+    if (lane == 0) num_listed_groups = num_listed_clusters = 0;
     workgroupBarrier();
-    for (uint g = start + gl_LocalInvocationIndex; g < min(start + GROUPS_PER_BATCH, end_group); g += WORKGROUP) {
-      if (groupReaches(tile, view, g, items)) group_list[atomicAdd(num_listed_groups, 1u)] = items;
-    }
+    uint g = start, end = min(start + GROUPS_PER_BATCH, end_group), items;
+    do {
+      if (g + lane < end && groupReaches(tile, view, g + lane, items)) group_list[atomicAdd(num_listed_groups, 1u)] = items;
+      g += WORKGROUP;
+    } while (g < end);
     workgroupBarrier();
     visitListedGroups(tile, view, found);
-  }
+    start += GROUPS_PER_BATCH;
+  } while (start < end_group);
   countIterations(body.kind_groups.z);
   checkLoop(start < end_group);
 }

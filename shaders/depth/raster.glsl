@@ -49,7 +49,7 @@ void rasterBySamples(Tile tile, MeshView view, Vertex p, Vertex q, Vertex r, Ver
   int address = first.x * stride + first.y, row_end = address + steps.y, last_address = last.x * stride + last.y;
   int wrap_address = stride - steps.y;
   bool any_visible = false;
-  while (address <= last_address) {
+  do {
     int pq = area_p - qr - rp, sr = area_s - qs + qr;
     bool outside_p = ((((qr + mask_p) ^ mask_p) | ((rp + mask_p) ^ mask_p) | ((pq + mask_p) ^ mask_p)) < 0);
     bool outside_s = ((((mask_s - qr) ^ mask_s) | ((qs + mask_s) ^ mask_s) | ((sr + mask_s) ^ mask_s)) < 0);
@@ -68,7 +68,7 @@ void rasterBySamples(Tile tile, MeshView view, Vertex p, Vertex q, Vertex r, Ver
     qs += wraps ? wrap_qs : along_qs.x;
     row_end += wraps ? stride : 0;
     address += wraps ? wrap_address : 1;
-  }
+  } while (address <= last_address);
   if (any_visible) grow(found.samples, Box(first, last));
   checkLoop(address <= last_address);
 }
