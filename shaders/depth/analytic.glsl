@@ -6,33 +6,33 @@ bool isKind(uint kind, uint wanted) { return OBJECT_KINDS == (1u << wanted) || (
 
 const float kBottomless = -1e30;
 
-// Parts of the ray o + t d inside a convex set are intervals [near, far]; an empty one has near > far.
+// Rays go along z of P. Their points are o + t d in O, where t = 0 is at the height of O's origin; `from`: the ray from O's origin, across, in P. What does not
+// depend on the ray, such as reciprocals, compilers move out of loops over samples.
+//
+// Parts of a ray inside a convex set are intervals [near, far] of t; an empty one has near > far.
 vec2 slab(float o, float d, float low, float high) {
   if (abs(d) < 1e-9) return o >= low && o <= high ? vec2(kBottomless, kMiss) : vec2(kMiss, kBottomless);
-  vec2 t = (vec2(low, high) - o) / d;
-  return vec2(min(t.x, t.y), max(t.x, t.y));
+  return (d > 0.0 ? vec2(low, high) - o : vec2(high, low) - o) * (1.0 / d);
 }
 
 vec2 both(vec2 a, vec2 b) { return vec2(max(a.x, b.x), min(a.y, b.y)); }
 
-// Distance of the ray's line from the middle decides, not a difference of squares of large numbers.
-vec2 insideSphere(vec3 o, vec3 d, float radius) {
-  float middle = -dot(o, d);
-  vec3 closest = o + middle * d;
-  float q = radius * radius - dot(closest, closest);
+vec2 insideSphere(vec2 from, float radius) {
+  float q = radius * radius - dot(from, from);
   if (q < 0.0) return vec2(kMiss, kBottomless);
   float reach = sqrt(q);
-  return vec2(middle - reach, middle + reach);
+  return vec2(-reach, reach);
 }
 
-vec2 insideInfiniteCylinder(vec3 o, vec3 d, float radius) {
-  float d2 = dot(d.xy, d.xy);
-  if (d2 < 1e-12) return dot(o.xy, o.xy) <= radius * radius ? vec2(kBottomless, kMiss) : vec2(kMiss, kBottomless);
-  float middle = -dot(o.xy, d.xy) / d2;
-  vec2 closest = o.xy + middle * d.xy;
-  float q = radius * radius - dot(closest, closest);
+// `axis`: its unit vector in P. A ray passes the axis at a distance that is linear in `from`, and comes closest at a height that is linear in it, too.
+vec2 insideInfiniteCylinder(vec2 from, vec3 axis, float radius) {
+  float across = dot(axis.xy, axis.xy);
+  if (across < 1e-12) return dot(from, from) <= radius * radius ? vec2(kBottomless, kMiss) : vec2(kMiss, kBottomless);
+  float per_length = inversesqrt(across);
+  float distance = dot(from, vec2(-axis.y, axis.x) * per_length);
+  float q = radius * radius - distance * distance;
   if (q < 0.0) return vec2(kMiss, kBottomless);
-  float reach = sqrt(q / d2);
+  float middle = dot(from, axis.xy * (axis.z / across)), reach = sqrt(q) * per_length;
   return vec2(middle - reach, middle + reach);
 }
 
@@ -82,11 +82,11 @@ float torusDistance(vec3 p, float major_radius, float minor_radius) {
 
 // Sphere tracing on the exact distance, from the near side of the torus's bounding sphere. A ray that passes the tube at a small gap takes about
 // pi sqrt(minor_radius / gap) steps; one that takes more than kSteps counts as a hit, so that the tube seems thicker by 1e-5 of its radius at most.
-float torusHeight(vec3 o, vec3 d, float major_radius, float minor_radius) {
+float torusHeight(vec2 from, vec3 o, vec3 d, float major_radius, float minor_radius) {
   const int kSteps = 1024;
   // m; a ray that stays farther away all along misses. Nearer than the rounding of t, a step would not advance.
   float touch = max(2e-8, 2.4e-7 * (major_radius + minor_radius));
-  vec2 span = insideSphere(o, d, major_radius + minor_radius);
+  vec2 span = insideSphere(from, major_radius + minor_radius);
   float t = span.x;
   if (span.x > span.y) return kMiss;
   for (int i = 0; i < kSteps; ++i) {
@@ -98,22 +98,19 @@ float torusHeight(vec3 o, vec3 d, float major_radius, float minor_radius) {
   return t;
 }
 
-// Height over the sample at `xy` of P. `X_PO`: pose of the solid in P; the faces of a polyhedron have been loaded (loadFaces()). `z_floor`: Tile.
-float analyticHeight(uint kind, vec4 parameters, Affine X_PO, vec2 xy, float z_floor, inout Found found) {
-  if (isKind(kind, kKindPolyhedron)) return polyhedronHeight(xy, z_floor, found);
-  vec3 r0 = X_PO.row0.xyz, r1 = X_PO.row1.xyz, r2 = X_PO.row2.xyz;
-  vec3 from = vec3(xy.x - X_PO.row0.w, xy.y - X_PO.row1.w, -X_PO.row2.w);
-  vec3 o = r0 * from.x + r1 * from.y + r2 * from.z;
-  vec3 d = r2;
+// Where the ray `from` is first inside of the solid: t, or kMiss.
+float analyticEntry(uint kind, vec4 parameters, Affine X_PO, vec2 from) {
+  vec3 o = X_PO.row0.xyz * from.x + X_PO.row1.xyz * from.y, d = X_PO.row2.xyz;
+  vec3 axis = vec3(X_PO.row0.z, X_PO.row1.z, X_PO.row2.z);
   vec2 inside = vec2(kMiss, kBottomless);
   if (isKind(kind, kKindSphere)) {
-    inside = insideSphere(o, d, parameters.x);
+    inside = insideSphere(from, parameters.x);
   } else if (isKind(kind, kKindCylinder)) {
-    inside = both(insideInfiniteCylinder(o, d, parameters.x), slab(o.z, d.z, -parameters.y, parameters.y));
+    inside = both(insideInfiniteCylinder(from, axis, parameters.x), slab(o.z, d.z, -parameters.y, parameters.y));
   } else if (isKind(kind, kKindCapsule)) {
-    vec2 tube = both(insideInfiniteCylinder(o, d, parameters.x), slab(o.z, d.z, -parameters.y, parameters.y));
-    vec2 low = insideSphere(o + vec3(0, 0, parameters.y), d, parameters.x);
-    vec2 high = insideSphere(o - vec3(0, 0, parameters.y), d, parameters.x);
+    vec2 tube = both(insideInfiniteCylinder(from, axis, parameters.x), slab(o.z, d.z, -parameters.y, parameters.y));
+    vec3 end = parameters.y * axis;
+    vec2 low = insideSphere(from + end.xy, parameters.x) - end.z, high = insideSphere(from - end.xy, parameters.x) + end.z;
     float near = kMiss;
     if (tube.x <= tube.y) near = tube.x;
     if (low.x <= low.y) near = min(near, low.x);
@@ -128,7 +125,14 @@ float analyticHeight(uint kind, vec4 parameters, Affine X_PO, vec2 xy, float z_f
   } else if (isKind(kind, kKindCone)) {
     inside = insideCone(o, d, parameters.x, parameters.y);
   } else if (isKind(kind, kKindTorus)) {
-    return torusHeight(o, d, parameters.x, parameters.y);
+    return torusHeight(from, o, d, parameters.x, parameters.y);
   }
   return inside.x <= inside.y ? inside.x : kMiss;
+}
+
+// Height over the sample at `xy` of P. `X_PO`: pose of the solid in P; the faces of a polyhedron have been loaded (loadFaces()). `z_floor`: Tile.
+float analyticHeight(uint kind, vec4 parameters, Affine X_PO, vec2 xy, float z_floor, inout Found found) {
+  if (isKind(kind, kKindPolyhedron)) return polyhedronHeight(xy, z_floor, found);
+  float t = analyticEntry(kind, parameters, X_PO, xy - vec2(X_PO.row0.w, X_PO.row1.w));
+  return t >= kMiss ? kMiss : X_PO.row2.w + t;
 }
