@@ -20,6 +20,7 @@
 #include "shared/random.h"
 #include "shared/sensor.h"
 #include "driver/pairs.glsl"
+#include "driver/texels.glsl"
 #include "passes/declare.glsl"
 #include "passes/image.h"
 
@@ -31,8 +32,8 @@
 
 const uint kContactMargin = MARGIN, kSpreadRadius = KERNEL / 2;
 #include "readout/image_window.glsl"
-#include "readout/clear_outside.glsl"
 #include "readout/spread.glsl"
+#include "readout/clear_outside.glsl"
 #include "readout/lag.glsl"
 #include "readout/imperfections.glsl"
 #include "readout/readout.glsl"

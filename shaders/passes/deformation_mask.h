@@ -17,3 +17,4 @@ BUFFER(6, readonly, Taxels)
 BUFFER(7, writeonly, LawState)
 BUFFER(8, readwrite, MaskedNormal)
 BUFFER(9, writeonly, Problems)
+TEXELS(10, ForceFours)  // ContactNormal

@@ -53,5 +53,5 @@ BUFFER(13, writeonly, Problems)
 BUFFER(14, readwrite, TaxelStates)
 BUFFER(15, readwrite, ImageWindows)
 BUFFER(16, readonly, SpreadScale)
-BUFFER(17, readonly, ForcePairs)   // ContactNormal
+TEXELS(17, ForceFours)             // ContactNormal
 BUFFER(18, writeonly, ImagePairs)  // Image

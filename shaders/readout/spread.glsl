@@ -47,6 +47,14 @@ struct Columns {
 
 Column noColumn() { return Column(vec4(0), vec4(0), vec4(0)); }
 
+// Of a taxel and, with PAIRS, of the next one.
+vec2 forcesAt(uint taxel) {
+  if (!kFetchesTexels) return vec2(contact_normal[taxel], 0);
+  vec4 four = floatsOfFour(ForceFours, taxel / 4u);
+  if (PAIRS) return (taxel & 2u) == 0 ? four.xy : four.zw;
+  return vec2(four[taxel & 3u], 0);
+}
+
 // Loads the columns of the step that begins with the taxel `at`, as those of the next step.
 void loadColumns(uint first_taxel, ImageWindow window, uvec2 at, inout Columns columns) {
   const uint kNext = 1u + kColsAtOnce;
@@ -56,7 +64,7 @@ void loadColumns(uint first_taxel, ImageWindow window, uvec2 at, inout Columns c
     uint row = at.x + d - 1u;  // before the first one: a large number
     if (row - window.contact_first.x >= window.contact_count.x || !(is_reached.x || PAIRS && is_reached.y)) continue;
     uint taxel = first_taxel + row * NUM_COLS + at.y;
-    vec2 normal = PAIRS ? uintBitsToFloat(wordsOf(force_pairs[taxel / 2u])) : vec2(contact_normal[taxel], 0);
+    vec2 normal = forcesAt(taxel);
     [[unroll]] for (uint k = 0; k < kColsAtOnce; ++k) {
       if (is_reached[k]) columns.at[kNext + k].normal[d] = normal[k];
       if (!SHEAR || !is_reached[k]) continue;

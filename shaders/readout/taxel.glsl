@@ -75,15 +75,6 @@ uint readTaxel(Instance instance, Lag lag, uint t, uvec2 at, Spread spread, uvec
   return counts;
 }
 
-// `counts`: of the taxel and, with PAIRS, of the next one.
-void writeCounts(uint taxel, uvec2 counts) {
-  if (PAIRS) {
-    image_pairs[taxel / 2u] = pairOf(counts);
-  } else {
-    image[taxel] = counts.x;
-  }
-}
-
 // Stages 3 to 5 of row `i` of the window and, with kRowsAtOnce 2, of the next row if there is one. A pair of taxels may begin before the window or end behind
 // it, where forces and counts are 0.
 void readRows(Instance instance, Kernel kernel, Lag lag, uint i, uvec2 seed, inout ImageSums sums, inout ImageSums next_sums) {

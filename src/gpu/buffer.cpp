@@ -12,7 +12,12 @@ namespace {
 
 using Property = vk::MemoryPropertyFlagBits;
 
-constexpr std::size_t kTexelBytes = 16;  // and the least that a buffer has
+constexpr std::size_t kTexelBytes = 16;
+
+// The memory of a buffer consists of whole texels: viewAsTexels() would leave out a part of one.
+std::size_t wholeTexels(std::size_t bytes) {
+  return (bytes + kTexelBytes - 1) / kTexelBytes * kTexelBytes;
+}
 
 // First memory type that has all of the flags of the earliest entry of `wishes` that any type satisfies.
 std::optional<std::uint32_t> findMemoryType(const vk::PhysicalDeviceMemoryProperties& memory, std::uint32_t allowed,
@@ -53,7 +58,7 @@ Buffer::Buffer(Context& context, std::string name, std::size_t bytes, Domain dom
   using Usage = vk::BufferUsageFlagBits;
   checked("buffer \"" + name_ + "\" of " + sizeText(bytes_), "use a smaller batch size or another device", [&] {
     vulkan_->buffer = vk_context.device.createBuffer({{},
-                                                      bytes_,
+                                                      wholeTexels(bytes_),
                                                       Usage::eStorageBuffer | Usage::eUniformTexelBuffer | Usage::eStorageTexelBuffer |
                                                           Usage::eIndirectBuffer | Usage::eTransferSrc | Usage::eTransferDst,
                                                       vk::SharingMode::eExclusive});
@@ -69,7 +74,7 @@ Buffer::Buffer(Context& context, std::string name, std::size_t bytes, Domain dom
     }
   });
   if (!mapped_.empty()) {
-    std::memset(mapped_.data(), 0, mapped_.size());
+    std::memset(mapped_.data(), 0, wholeTexels(bytes_));
   } else {
     Commands clear(context, "clear " + name_);
     clear.fillZero(*this);

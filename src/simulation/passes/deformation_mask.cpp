@@ -13,7 +13,8 @@ DeformationMaskPass::DeformationMaskPass(const ModelData& model, const ModelOpti
   sizes_.pass.repeat = 1;
 }
 
-void DeformationMaskPass::record(Recorder& recorder, bool with_response) const {
+void DeformationMaskPass::record(Recorder recorder, bool with_response) const {
+  recorder.bindings.redirect<block::ForceFours, block::ContactNormal>();
   recorder.dispatch(kernels_.get(with_response, [&] { return makeKernel(with_response); }),
                     numWorkgroups(recorder.num_instances, sizes_.itemsPerWorkgroup()));
 }

@@ -14,7 +14,7 @@ class DeformationMaskPass {
   DeformationMaskPass(const ModelData& model, const ModelOptions& options);
 
   // `with_response`: keeps the forces before they are scaled, for the tactile Jacobian.
-  void record(Recorder& recorder, bool with_response) const;
+  void record(Recorder recorder, bool with_response) const;
 
  private:
   using Kernel = gpu::PassKernel<DeformationMaskInterface>;

@@ -61,7 +61,7 @@ ImagePass::ImagePass(const ModelData& model, const ModelOptions& options, const 
 
 void ImagePass::record(Recorder recorder, const Variant& variant) const {
   if (variant.masked) recorder.bindings.redirect<block::ContactNormal, block::MaskedNormal>();
-  recorder.bindings.redirect<block::ForcePairs, block::ContactNormal>();
+  recorder.bindings.redirect<block::ForceFours, block::ContactNormal>();
   recorder.bindings.redirect<block::ImagePairs, block::Image>();
   recorder.dispatch(kernels_.get(variant, [&] { return makeKernel(variant); }),
                     numWorkgroups(recorder.num_instances, sizes_.itemsPerWorkgroup()));
@@ -75,9 +75,9 @@ ImagePass::Kernel ImagePass::makeKernel(const Variant& variant) const {
   });
   const bool reads_at_rest =
       std::any_of(packed.taxels.begin(), packed.taxels.end(), [](const layout::TaxelRecord& taxel) { return taxel.readout.y < 0; });
-  const bool pairs = model_.profile.prefers64BitLoads() && sizes_.team == 1 && packed.one_grid && model_.sensor.psf.size == 3 &&
-                     model_.sensor.patches.front().num_cols % 2 == 0 && isShort(readout, variant);
-  const std::span<const std::uint32_t> spirv = pairs ? std::span<const std::uint32_t>(k_image_pairs_spirv) : k_image_spirv;
+  const bool slides = model_.profile.prefers64BitLoads() && sizes_.team == 1 && packed.one_grid && model_.sensor.psf.size == 3;
+  const bool pairs = slides && model_.sensor.patches.front().num_cols % 2 == 0 && isShort(readout, variant);
+  const std::span<const std::uint32_t> spirv = slides ? std::span<const std::uint32_t>(k_image_pairs_spirv) : k_image_spirv;
   return {model_.context(), "image", spirv, commonConstants(model_.sensor, packed, sizes_.pass),
           ImageInterface{.SHEAR = variant.with_shear,
                          .NUM_ENTRIES = packed.num_entries,
