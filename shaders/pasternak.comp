@@ -17,6 +17,7 @@
 #include "driver/pairs.glsl"
 #include "driver/barrier.glsl"
 #include "driver/texels.glsl"
+#include "driver/vector_sums.glsl"
 #include "shared/batch.h"
 #include "shared/features.h"
 #include "shared/sensor.h"

@@ -166,7 +166,7 @@ void drawQuad(Tile tile, MeshView view, uint quad, inout Found found) {
 }
 
 // A quad that visitMesh() or, from `first` on, find_candidates.comp has found.
-uint quadNumbered(uint i, bool is_candidate, uint first) { return is_candidate ? candidate_quads[first + i] : listedQuad(i); }
+uint quadNumbered(uint i, bool is_candidate, uint first) { return is_candidate ? wordOfFours(CandidateQuads, first + i) : listedQuad(i); }
 
 void visitQuads(Tile tile, MeshView view, bool is_candidate, uint first, uint count, inout Found found) {
   countIterations(kIterationsOfTriangle * 2u * count);

@@ -2,7 +2,7 @@
 //
 // The bits of a non-negative float order like the float itself, so atomicMin keeps minima and the order of triangles does not matter. The array is empty
 // between two tiles: every tile clears the samples that it has written.
-// Shared memory: 4 TILE_SAMPLES + 16 bytes; with LOCKSTEP 4 TILE_SAMPLES + 4 WORKGROUP.
+// Shared memory: 4 TILE_SAMPLES + 16 bytes.
 
 const uint kEmpty = 0x7F7FFFFFu;  // the largest finite float, as bits: no surface over the sample
 shared uint tile_heights[TILE_SAMPLES];
@@ -15,11 +15,7 @@ shared uint cell_moments[VARIATION ? 2u * TILE_SAMPLES : 1u];
 const uint kWhole = 0x3F800000u;  // the bits of 1.0
 // Whether cells keep their shares for stage 2. If not, it needs to know only which cells are at the full thickness, which Found counts.
 bool keepsShares() { return AREA && (MANY_SLOTS || VARIATION || OUTPUT_JACOBIAN || SEARCH == kSearchOverTiles); }
-#ifdef LOCKSTEP
-shared int lane_words[WORKGROUP];
-#else
-shared int active_box[4];  // first row, last row, first col, last col
-#endif
+shared int active_box[4];  // first row, last row, first col, last col; not IN_VECTOR
 
 // Surfaces that an invocation has found over the samples of a tile.
 struct Found {
@@ -72,28 +68,17 @@ void clearSamples(Tile tile, Box box) {
 }
 
 // The box around the boxes of all invocations, which all call boxAround(). One of them calls startBoxes() before, with a barrier in between.
-#ifdef LOCKSTEP
-void startBoxes() {}
-
-int leastOfAll(int mine) {
-  lane_words[gl_LocalInvocationIndex] = mine;
-  workgroupBarrier();
-  int least = mine;
-  for (uint v = 0; v < WORKGROUP; ++v) least = min(least, lane_words[v]);
-  workgroupBarrier();
-  return least;
-}
-
-Box boxAround(Box part) {
-  return Box(ivec2(leastOfAll(part.first.x), leastOfAll(part.first.y)), -ivec2(leastOfAll(-part.last.x), leastOfAll(-part.last.y)));
-}
-#else
 void startBoxes() {
+  if (IN_VECTOR) return;
   active_box[0] = active_box[2] = 0x7FFFFFFF;
   active_box[1] = active_box[3] = -1;
 }
 
 Box boxAround(Box part) {
+  if (IN_VECTOR) {
+    ivec4 least = leastOverVector(ivec4(part.first, -part.last));
+    return Box(least.xy, -least.zw);
+  }
   if (isAny(part)) {
     atomicMin(active_box[0], part.first.x);
     atomicMax(active_box[1], part.last.x);
@@ -103,4 +88,3 @@ Box boxAround(Box part) {
   workgroupBarrier();
   return Box(ivec2(active_box[0], active_box[2]), ivec2(active_box[1], active_box[3]));
 }
-#endif

@@ -18,3 +18,8 @@ const bool kFetchesTexels = false;
 #define loadFour(Name, index) fours_of_##Name[index]
 #endif
 #define floatsOfFour(Name, index) uintBitsToFloat(fourOf(Name, index))
+
+// Component `i`. By selection, because compilers keep in memory what has an index that is not constant.
+uint component(uvec4 four, uint i) { return mix(mix(four.x, four.y, i == 1u), mix(four.z, four.w, i == 3u), i > 1u); }
+// One word of such a buffer.
+#define wordOfFours(Name, index) component(fourOf(Name, (index) / 4u), (index) % 4u)

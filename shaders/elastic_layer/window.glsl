@@ -81,18 +81,6 @@ uvec2 sourcesOfRow(uint row) { return rangeOf(source_strips[row], kStripsPerBit,
 
 // ---- reductions ----
 
-// Whether an invocation keeps its partial sum in a register instead of partial[].
-const bool kInRegisters = IN_VECTOR && WORKGROUP == LANES;
-vec4 own_partial = vec4(0);
-
-void setPartial(uint v, vec4 sums) {
-  if (kInRegisters) {
-    own_partial = sums;
-  } else {
-    partial[v] = sums;
-  }
-}
-
 vec4 partialAt(uint v) { return kInRegisters ? own_partial : partial[v]; }
 
 // Sum of the first `count` partial sums, in a fixed order; every invocation gets it. Many are first summed in groups.

@@ -281,7 +281,7 @@ vec4 solveContact(Surface surface) {
     uint k = v;
     for (; k < num; k += LANES) sums += forcesOfBlock(block_list[k]);
     checkLoop(k < num);
-    partial[v] = sums;
+    setPartial(v, sums);
   }
   workgroupBarrierWithBuffers();
   return sumOfPartials();

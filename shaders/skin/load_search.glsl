@@ -46,7 +46,7 @@ vec2 forceAtDepth(Tile tile, TileSkin tile_skin, float depth, float lowest, uvec
       slope += f_slope;
     }
     checkLoop(i < total);
-    partial[v] = vec4(force, slope, 0, 0) * tile.force_area;
+    setPartial(v, vec4(force, slope, 0, 0) * tile.force_area);
   }
   return sumOfPartials().xy;
 }

@@ -334,14 +334,15 @@ void writeTaxel(Tile tile, uint instance, uvec2 in_patch, TaxelSums sums, Cell c
   vec2 moment = sums.moment * tile.force_area;
   uint in_sensor = tile.grid.z + in_patch.x * tile.grid.y + in_patch.y;
   uint taxel = instance * NUM_TAXELS + in_sensor;
-  if (!kWritesCells) contact_normal[taxel] = SCALED ? force * spread_scale[in_sensor] : force;
+  float scale = SCALED ? uintBitsToFloat(wordOfFours(SpreadScale, in_sensor)) : 1.0;
+  if (!kWritesCells) contact_normal[taxel] = SCALED ? force * scale : force;
   if (OUTPUT_DEPTH) contact_depth[taxel] = sums.depth * kPerSample;
   if (OUTPUT_JACOBIAN) writeCell(tile, taxel, cell);
   // The skin is pressed along -z: torque (x, y, 0) x (0, 0, -f).
   wrench += vec4(force, -moment.y, moment.x, kSumsSlopes ? sums.slope * tile.force_area : 0.0);
   if (!kShears) return;
   vec2 shear = sums.shear * tile.force_area;
-  if (OUTPUT_SHEAR) writeShear(taxel, SCALED ? shear * spread_scale[in_sensor] : shear);
+  if (OUTPUT_SHEAR) writeShear(taxel, SCALED ? shear * scale : shear);
   wrench.yzw += sums.shear_moment * tile.force_area;
   lane_shear += shear;
 }
@@ -349,6 +350,7 @@ void writeTaxel(Tile tile, uint instance, uvec2 in_patch, TaxelSums sums, Cell c
 // Rounds that all lanes take together: as many as the lane with the most of the `num_active` taxels needs. `touched`: this lane's, if kSkipsTaxels.
 uint numRounds(uint touched, uint num_active) {
   if (!kSkipsTaxels) return (num_active + LANES - 1u) / LANES;
+  if (kInRegisters) return largestOverVector(uint(bitCount(touched)));
   atomicMax(most_touched, uint(bitCount(touched)));
   workgroupBarrier();
   uint most = most_touched;
@@ -381,7 +383,7 @@ void pressTaxels(Tile tile, TileStep step, ActiveTaxels taxels, inout Found foun
     } while (++round < num_rounds);
     checkLoop(k < num_active);
     if (owns) {
-      partial[v] = wrench;
+      setPartial(v, wrench);
       if (kShears) partial_shear[v] = lane_shear;
       if (OUTPUT_WRENCH_CHANGE) writeChange(tile, step.result * LANES + v, change);
     }
