@@ -51,7 +51,7 @@ CONSTANT(51, bool, OUTPUT_WRENCH_CHANGE)  // with OUTPUT_JACOBIAN, writes tile_c
 
 TEXELS(0, Poses)
 BUFFER(1, readonly, Instances)
-BUFFER(2, readonly, Step)
+UNIFORM(2, Step)
 TEXELS(3, Objects)
 TEXELS(4, Groups)
 TEXELS(5, Clusters)

@@ -13,7 +13,7 @@ CONSTANT(18, float, STIFFNESS)  // d pressure / d depth = STIFFNESS pressure^(1 
 CONSTANT(19, float, EXPONENT)
 
 BUFFER(0, readonly, Instances)
-BUFFER(1, readonly, Step)
+UNIFORM(1, Step)
 TEXELS(2, Taxels)
 BUFFER(3, readonly, Planes)
 TEXELS(4, Forces)

@@ -6,7 +6,7 @@ CONSTANT(13, float, THICKNESS)  // m
 CONSTANT(14, bool, SCALED)      // sources near a border give more to the taxels that are there, readout/spread.glsl
 CONSTANT(15, uint, TEAM)        // invocations that share an instance
 
-BUFFER(0, readonly, Step)
+UNIFORM(0, Step)
 BUFFER(1, readonly, Contacts)
 BUFFER(2, readonly, NumContacts)
 BUFFER(3, readonly, Patches)

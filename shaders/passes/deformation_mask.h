@@ -8,7 +8,7 @@ CONSTANT(15, uint, PARTIALS)         // LANES for every team of more than one in
 CONSTANT(16, bool, OUTPUT_RESPONSE)  // writes law_state, for the tactile Jacobian
 
 BUFFER(0, readonly, Instances)
-BUFFER(1, readonly, Step)
+UNIFORM(1, Step)
 BUFFER(2, readonly, SpreadScale)
 TEXELS(3, Mask)
 BUFFER(4, readonly, ContactNormal)

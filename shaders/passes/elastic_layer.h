@@ -27,8 +27,8 @@ CONSTANT(34, float, POINT_COMPLIANCE)  // of a point, times distance, m
 CONSTANT(35, float, IMAGE_DEPTH)       // of the base, m; 0 without one
 
 BUFFER(0, readonly, Instances)
-BUFFER(1, readonly, Step)
-BUFFER(2, readonly, SensorBlock)
+UNIFORM(1, Step)
+UNIFORM(2, SensorBlock)
 TEXELS(3, Heights)
 BUFFER(4, readonly, Windows)
 TEXELS(5, Influence)

@@ -8,7 +8,7 @@ CONSTANT(15, bool, AREA)
 CONSTANT(16, uint, LISTED_PER_WORKGROUP)  // instances of a list that one workgroup of the contact pass processes
 
 TEXELS(0, Poses)
-BUFFER(1, readonly, Step)
+UNIFORM(1, Step)
 TEXELS(2, Objects)
 TEXELS(3, Groups)
 TEXELS(4, Clusters)

@@ -7,7 +7,7 @@ CONSTANT(12, uint, PARTIALS)     // kMostSums x LANES for every team of more tha
 CONSTANT(13, uint, NUM_ENTRIES)  // of a taxel's list of sources, where the sensor is not one grid patch
 CONSTANT(14, bool, SYMMETRIC)    // a taxel gives its sources what it takes from them
 
-BUFFER(0, readonly, Step)
+UNIFORM(0, Step)
 BUFFER(1, readonly, SpreadRows)
 BUFFER(2, readonly, SpreadNormal)
 BUFFER(3, readonly, TaxelJacobian)

@@ -37,8 +37,8 @@ CONSTANT(39, uint, MARGIN)                   // so many taxels around those that
 CONSTANT(40, bool, PAIRS)                    // two taxels of a row at a time; for rows of even length and a kernel of 3 x 3
 
 BUFFER(0, readonly, Instances)
-BUFFER(1, readonly, Step)
-BUFFER(2, readonly, SensorBlock)
+UNIFORM(1, Step)
+UNIFORM(2, SensorBlock)
 BUFFER(3, readonly, Taxels)
 BUFFER(4, readonly, SpreadRows)
 BUFFER(5, readonly, ContactNormal)

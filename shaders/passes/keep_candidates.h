@@ -9,7 +9,7 @@ CONSTANT(15, bool, AREA)
 CONSTANT(16, uint, FOUND_PER_WORKGROUP)  // the same of find_candidates.comp
 
 TEXELS(0, Poses)
-BUFFER(1, readonly, Step)
+UNIFORM(1, Step)
 TEXELS(2, Objects)
 BUFFER(3, readonly, Patches)
 BUFFER(4, readonly, Tiles)

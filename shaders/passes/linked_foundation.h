@@ -14,7 +14,7 @@ CONSTANT(21, uint, BLOCKS_PER_TAXEL)
 CONSTANT(22, bool, AREA)  // outlines cut links, common/cut_links.glsl
 
 BUFFER(0, readonly, Instances)
-BUFFER(1, readonly, Step)
+UNIFORM(1, Step)
 BUFFER(2, readonly, Patches)
 BUFFER(3, readonly, Heights)
 BUFFER(4, readonly, Windows)

@@ -5,6 +5,6 @@ CONSTANT(12, bool, NEWTON)       // tile_results have the slope of the force, kS
 CONSTANT(13, float, FIRST_STEP)  // m, of Newton's method
 
 BUFFER(0, readonly, Instances)
-BUFFER(1, readonly, Step)
+UNIFORM(1, Step)
 BUFFER(2, readonly, TileResults)
 BUFFER(3, readwrite, Loads)

@@ -3,7 +3,7 @@
 CONSTANT(11, float, LAW_0)        // saturation pressure, Pa
 CONSTANT(12, uint, MASK_SOURCES)  // of a taxel; even
 
-BUFFER(0, readonly, Step)
+UNIFORM(0, Step)
 TEXELS(1, Mask)
 BUFFER(2, readonly, Taxels)
 BUFFER(3, readonly, LawState)

@@ -19,8 +19,8 @@ VALUE(kBlockRows, 4)  // nodes of a block, pasternak/blocks.glsl
 VALUE(kBlockCols, 16)
 
 BUFFER(0, readonly, Instances)
-BUFFER(1, readonly, Step)
-BUFFER(2, readonly, SensorBlock)
+UNIFORM(1, Step)
+UNIFORM(2, SensorBlock)
 TEXELS(3, Heights)
 TEXELS(4, Windows)
 BUFFER(5, readonly, SpreadScale)

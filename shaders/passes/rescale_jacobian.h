@@ -2,7 +2,7 @@
 
 CONSTANT(11, bool, SCALED)  // as in contact.h
 
-BUFFER(0, readonly, Step)
+UNIFORM(0, Step)
 BUFFER(1, readonly, SpreadScale)
 BUFFER(2, readonly, LawState)
 BUFFER(3, readonly, TileResults)

@@ -17,7 +17,7 @@ CONSTANT(24, uint, GRAM_SIZE)   // the smaller one of TWIST_ROWS and NUM_JOINTS
 CONSTANT(25, uint, DELAY)       // of the drives, frames
 
 BUFFER(0, readonly, Instances)
-BUFFER(1, readonly, Step)
+UNIFORM(1, Step)
 BUFFER(2, readonly, Objects)
 BUFFER(3, readonly, Servos)
 BUFFER(4, readonly, Loop)

@@ -2,7 +2,7 @@
 
 CONSTANT(11, uint, NUM_ENTRIES)  // of a taxel's list of sources, where the sensor is not one grid patch
 
-BUFFER(0, readonly, Step)
+UNIFORM(0, Step)
 BUFFER(1, readonly, Instances)
 BUFFER(2, readonly, SpreadRows)
 BUFFER(3, readonly, TaxelJacobian)

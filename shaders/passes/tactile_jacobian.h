@@ -15,7 +15,7 @@ CONSTANT(20, float, DEAD_TAXEL_PROBABILITY)  // probability
 CONSTANT(21, bool, SAME_READOUT)             // all taxels have the gain and the trigger of the first
 
 BUFFER(0, readonly, Instances)
-BUFFER(1, readonly, Step)
+UNIFORM(1, Step)
 BUFFER(2, readonly, Taxels)
 BUFFER(3, readonly, Planes)
 BUFFER(4, readonly, SpreadRows)

@@ -7,7 +7,7 @@ CONSTANT(14, bool, SHEAR)  // contact_shear is an output
 CONSTANT(15, float, FRICTION_COEFFICIENT)
 
 BUFFER(0, readonly, Instances)
-BUFFER(1, readonly, Step)
+UNIFORM(1, Step)
 BUFFER(2, readonly, SpreadScale)
 BUFFER(3, readwrite, ContactNormal)
 BUFFER(4, readwrite, LawState)

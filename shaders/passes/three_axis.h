@@ -22,7 +22,7 @@ CONSTANT(29, float, WIDTH_Z)
 CONSTANT(30, float, SATURATION)  // counts
 
 BUFFER(0, readonly, Instances)
-BUFFER(1, readonly, Step)
+UNIFORM(1, Step)
 BUFFER(2, readonly, Taxels)
 BUFFER(3, readonly, SpreadNormal)
 BUFFER(4, readonly, SpreadShear)

@@ -2,7 +2,7 @@
 
 CONSTANT(11, bool, HAS_FORCES)  // the law has forces, and a wrench
 
-BUFFER(0, readonly, Step)
+UNIFORM(0, Step)
 BUFFER(1, readonly, Patches)
 BUFFER(2, readonly, Tiles)
 BUFFER(3, readonly, TileChanges)

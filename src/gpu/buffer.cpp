@@ -59,8 +59,8 @@ Buffer::Buffer(Context& context, std::string name, std::size_t bytes, Domain dom
   checked("buffer \"" + name_ + "\" of " + sizeText(bytes_), "use a smaller batch size or another device", [&] {
     vulkan_->buffer = vk_context.device.createBuffer({{},
                                                       wholeTexels(bytes_),
-                                                      Usage::eStorageBuffer | Usage::eUniformTexelBuffer | Usage::eStorageTexelBuffer |
-                                                          Usage::eIndirectBuffer | Usage::eTransferSrc | Usage::eTransferDst,
+                                                      Usage::eStorageBuffer | Usage::eUniformBuffer | Usage::eUniformTexelBuffer |
+                                                          Usage::eStorageTexelBuffer | Usage::eIndirectBuffer | Usage::eTransferSrc | Usage::eTransferDst,
                                                       vk::SharingMode::eExclusive});
     const vk::MemoryRequirements needs = vulkan_->buffer.getMemoryRequirements();
     const vk::PhysicalDeviceMemoryProperties memory = vk_context.physical.getMemoryProperties();

@@ -45,7 +45,7 @@ vk::AccessFlags written(Access access) {
 vk::AccessFlags used(Access access) {
   switch (access) {
     case Access::kKernel:
-      return vk::AccessFlagBits::eShaderRead | vk::AccessFlagBits::eShaderWrite;
+      return vk::AccessFlagBits::eShaderRead | vk::AccessFlagBits::eShaderWrite | vk::AccessFlagBits::eUniformRead;
     case Access::kCopy:
       return vk::AccessFlagBits::eTransferRead | vk::AccessFlagBits::eTransferWrite;
     case Access::kHostRead:
@@ -93,7 +93,8 @@ Commands::Commands(Context& context, std::string name, std::uint32_t num_timesta
     : vulkan_(std::make_unique<Vulkan>(context, std::move(name))) {
   Context::Vulkan& vk_context = context.vulkan();
   checked("recording " + vulkan_->name, "", [&] {
-    const std::array<vk::DescriptorPoolSize, 3> sizes{{{vk::DescriptorType::eStorageBuffer, kMaxSets * 16},
+    const std::array<vk::DescriptorPoolSize, 4> sizes{{{vk::DescriptorType::eStorageBuffer, kMaxSets * 16},
+                                                       {vk::DescriptorType::eUniformBuffer, kMaxSets * 2},
                                                        {vk::DescriptorType::eUniformTexelBuffer, kMaxSets * 4},
                                                        {vk::DescriptorType::eStorageTexelBuffer, kMaxSets}}};
     vulkan_->descriptors = vk_context.device.createDescriptorPool({vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, kMaxSets, sizes});
@@ -135,7 +136,7 @@ void Commands::bind(const Kernel& kernel, std::span<const Buffer* const> buffers
   std::vector<vk::WriteDescriptorSet> writes;
   for (const Buffer* buffer : buffers) {
     const vk::DescriptorType type = vk_kernel.types[writes.size()];
-    const bool as_texels = type != vk::DescriptorType::eStorageBuffer;
+    const bool as_texels = type == vk::DescriptorType::eUniformTexelBuffer || type == vk::DescriptorType::eStorageTexelBuffer;
     if (as_texels) buffer->viewAsTexels(vulkan_->context);
     infos.emplace_back(*buffer->vulkan().buffer, 0, VK_WHOLE_SIZE);
     writes.emplace_back(*set, static_cast<std::uint32_t>(writes.size()), 0, 1, type, nullptr, &infos.back(),

@@ -14,7 +14,7 @@ namespace {
 void checkInterface(const KernelOptions& options, const Reflection& reflection) {
   const std::string where = "kernel \"" + options.name + "\": ";
   if (!reflection.others.empty())
-    throw std::logic_error(where + "resource \"" + reflection.others.front() + "\" is no storage or texel buffer of set 0");
+    throw std::logic_error(where + "resource \"" + reflection.others.front() + "\" is no storage, uniform or texel buffer of set 0");
   for (std::size_t i = 0; i < options.buffers.size(); ++i) {
     const auto found = reflection.buffers.find(static_cast<std::uint32_t>(i));
     const std::string shader_name = found == reflection.buffers.end() ? "nothing" : "\"" + found->second + "\"";
@@ -55,7 +55,8 @@ Kernel::Kernel(Context& context, const KernelOptions& options)
   checked("building kernel " + name_, "", [&] {
     std::vector<vk::DescriptorSetLayoutBinding> bindings;
     for (std::uint32_t i = 0; i < num_buffers_; ++i) {
-      vulkan_->types.push_back(reflection.texel_buffers.contains(i)           ? vk::DescriptorType::eUniformTexelBuffer
+      vulkan_->types.push_back(reflection.uniform_buffers.contains(i)         ? vk::DescriptorType::eUniformBuffer
+                               : reflection.texel_buffers.contains(i)         ? vk::DescriptorType::eUniformTexelBuffer
                                : reflection.storage_texel_buffers.contains(i) ? vk::DescriptorType::eStorageTexelBuffer
                                                                               : vk::DescriptorType::eStorageBuffer);
       bindings.emplace_back(i, vulkan_->types.back(), 1, vk::ShaderStageFlagBits::eCompute);

@@ -44,6 +44,9 @@ Reflection reflect(std::span<const std::uint32_t> spirv) {
       const std::string name = spvc_compiler_get_name(compiler, list[i].base_type_id);
       if (type == SPVC_RESOURCE_TYPE_STORAGE_BUFFER && set == 0) {
         reflection.buffers[binding] = name;
+      } else if (type == SPVC_RESOURCE_TYPE_UNIFORM_BUFFER && set == 0) {
+        reflection.buffers[binding] = name;
+        reflection.uniform_buffers.insert(binding);
       } else if (isTexelBuffer(compiler, list[i]) && set == 0) {
         reflection.buffers[binding] = list[i].name;
         (type == SPVC_RESOURCE_TYPE_STORAGE_IMAGE ? reflection.storage_texel_buffers : reflection.texel_buffers).insert(binding);

@@ -11,7 +11,8 @@
 namespace taxelsim::gpu {
 
 struct Reflection {
-  std::map<std::uint32_t, std::string> buffers;   // of set 0 by binding: names of storage blocks and texel buffers
+  std::map<std::uint32_t, std::string> buffers;   // of set 0 by binding: names of storage and uniform blocks and texel buffers
+  std::set<std::uint32_t> uniform_buffers;        // their bindings
   std::set<std::uint32_t> texel_buffers;          // bindings of read-only texel buffers
   std::set<std::uint32_t> storage_texel_buffers;  // bindings of texel buffers that the shader may write
   std::vector<std::uint32_t> constants;           // ids of specialization constants, ascending

@@ -13,6 +13,7 @@ namespace taxelsim {
   static gpu::SpecConstant<id, type> constantAt(gpu::At<id>);
 #define VALUE(kName, value) static constexpr uint kName = value;
 #define BUFFER(binding, access, Block) static block::Block blockAt(gpu::At<binding>);
+#define UNIFORM(binding, Block) static block::Block blockAt(gpu::At<binding>);
 #define TEXELS(binding, Block) static block::Block blockAt(gpu::At<binding>);
 #define COHERENT_TEXELS(binding, Block) static block::Block blockAt(gpu::At<binding>);
 // NOLINTEND(bugprone-macro-parentheses)
@@ -116,5 +117,6 @@ struct ServoInterface {
 #undef BUFFER
 #undef TEXELS
 #undef COHERENT_TEXELS
+#undef UNIFORM
 
 }  // namespace taxelsim
