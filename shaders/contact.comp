@@ -18,7 +18,6 @@
 // Twins: src/reference/depth.cpp, contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp, load.cpp.
 
 #include "driver/barrier.glsl"
-#include "driver/texels.glsl"
 #include "driver/vector_sums.glsl"
 #include "passes/declare.glsl"
 #include "passes/contact.h"
@@ -68,13 +67,13 @@ bool beginTile(uint instance, uint tile_number, out Tile tile) {
   tile = loadTile(tile_number);
   tile.z_base = -THICKNESS;
   if (isHeld(instance) || !hasKind(instance)) return false;
-  if (RANDOM_SKIN) tile.force_area *= instances[instance].skin.x;
-  if (SEARCH == kSearchInTile && (instances[instance].keys.w & kFlagLoadDriven) != 0) tile.z_limit = kMiss;
+  if (RANDOM_SKIN) tile.force_area *= instanceRecord(instance).skin.x;
+  if (SEARCH == kSearchInTile && (instanceRecord(instance).keys.w & kFlagLoadDriven) != 0) tile.z_limit = kMiss;
   if (SEARCH == kSearchOverTiles) {
     float status = loads[instance].bracket.w;
     if (status == kLoadCarried || status == kLoadOutOfReach) return false;
   }
-  if (SEARCH >= kSearchOverTiles && (instances[instance].keys.w & kFlagLoadDriven) != 0) {
+  if (SEARCH >= kSearchOverTiles && (instanceRecord(instance).keys.w & kFlagLoadDriven) != 0) {
     tile.offset_z = loads[instance].bracket.x;
     tile.level = -loads[instance].forces.z * tile.X_PS.row2.z;
     tile.z_base += tile.level;
@@ -87,7 +86,7 @@ bool beginTile(uint instance, uint tile_number, out Tile tile) {
 void computeTile(uint instance, uint tile_number, uint num_slots) {
   Tile tile;
   if (!beginTile(instance, tile_number, tile)) return;
-  bool load_driven = SEARCH != kNoSearch && (instances[instance].keys.w & kFlagLoadDriven) != 0;
+  bool load_driven = SEARCH != kNoSearch && (instanceRecord(instance).keys.w & kFlagLoadDriven) != 0;
   bool search_here = SEARCH == kSearchInTile && load_driven;
   if (gl_LocalInvocationIndex == 0) {
     startBoxes();

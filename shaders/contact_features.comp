@@ -17,7 +17,6 @@
 #include "shared/batch.h"
 #include "shared/features.h"
 #include "shared/sensor.h"
-#include "driver/texels.glsl"
 #include "passes/declare.glsl"
 #include "passes/contact_features.h"
 
@@ -63,7 +62,7 @@ shared uint any_team;  // of isTrueForAnyTeam(); a scan's barriers lie between i
 
 // Standard deviation of a taxel's force from noise, N.
 float forceNoise(uint instance) {
-  return is_clean ? 0.0 : sqrt(NOISE * NOISE + instances[instance].drive.w * instances[instance].drive.w) / SLOPE;
+  return is_clean ? 0.0 : sqrt(NOISE * NOISE + instanceRecord(instance).drive.w * instanceRecord(instance).drive.w) / SLOPE;
 }
 
 // Whether the condition holds for any team of the workgroup: all execute the same barriers. A team of one invocation has none, and decides alone.
@@ -114,7 +113,7 @@ void computePart(uint instance, uint which, bool is_valid, uint num_instances) {
   }
   if (!is_due || gl_LocalInvocationIndex % TEAM > 0) return;
 
-  PlaneRecord plane = planes[part.plane];
+  PlaneRecord plane = planeRecord(part.plane);
   Tilt tilt = Tilt(vec2(0), 0.0);
   if (part.is_grid) tilt = tiltOf(plane, core, mean_force);
   float any_type = typeOf(plane, second, moments.force), least_force = kNoiseFactor * noise;

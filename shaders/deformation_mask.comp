@@ -15,7 +15,6 @@
 
 #include "shared/batch.h"
 #include "shared/sensor.h"
-#include "driver/texels.glsl"
 #include "passes/declare.glsl"
 #include "passes/deformation_mask.h"
 
@@ -138,7 +137,7 @@ void main() {
   uint num_parts = isProcessed(number) ? min(LANES, window.count.x) : 0;
   vec2 carried = maskInstance(first_taxel, window, lane, num_parts);
   float pressed = 0.0;
-  for (uint t = 0; t < NUM_TILES; ++t) pressed += tile_results[instance * NUM_TILES + t].torque.w;
+  for (uint t = 0; t < NUM_TILES; ++t) pressed += tileResult(instance * NUM_TILES + t).torque.w;
   scaleRows(first_taxel, window, lane, carried.y > 0.0 ? num_parts : 0, carried.x > 0.0 ? pressed / carried.x : 0.0);
   reportUnfinishedLoops();
 }

@@ -24,7 +24,6 @@
 
 #include "driver/pairs.glsl"
 #include "driver/barrier.glsl"
-#include "driver/texels.glsl"
 #include "driver/vector_sums.glsl"
 #include "shared/batch.h"
 #include "shared/elastic_layer.h"
@@ -66,7 +65,7 @@ const bool kManyMotions = kKeepsSlots;
 
 void solveInstance(uint instance, uint num_instances, uint num_slots) {
   if (isHeld(instance)) return;
-  uint flags = instances[instance].keys.w;
+  uint flags = instanceRecord(instance).keys.w;
   bool is_first = (flags & kFlagFirstStep) != 0;
   bool by_load = LOADS && (flags & kFlagLoadDriven) != 0;
   float node_force = NODE_FORCE;  // of a node under the pressure 1 of the solution, N
@@ -93,7 +92,7 @@ void solveInstance(uint instance, uint num_instances, uint num_slots) {
     if (!by_load) limitTargets(surface, -REACH * max(max(lowered, deepest), 0.0), window);
     deepest = lowered;
   }
-  float load = by_load ? instances[instance].drive.x : 0.0;
+  float load = by_load ? instanceRecord(instance).drive.x : 0.0;
   bool too_deep = kLeastShift - deepest > 1.0;  // full depth would not press on the bottom of a dent
   bool idle = no_surface || (by_load ? load <= 0.0 || too_deep : deepest <= 0.0);
   if (idle) setWindow(window, uvec2(0), 0);

@@ -11,7 +11,6 @@
 // Mutable globals: any_unfinished_loop (driver/loop_limit.glsl).
 
 #include "driver/barrier.glsl"
-#include "driver/texels.glsl"
 #include "shared/batch.h"
 #include "shared/candidates.h"
 #include "shared/objects.h"

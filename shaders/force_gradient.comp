@@ -54,7 +54,7 @@ float pulledThroughSpread(uint first_taxel, uint t) {
 void addTaxel(uint instance, uint t, inout PartSums sums) {
   float weight = pulledThroughSpread(instance * NUM_TAXELS, t);
   for (uint k = 0; k < 6; ++k) {
-    float change = kPulls ? taxel_jacobian[(instance * 6 + k) * NUM_TAXELS + t] : spreadChange(instance, t, k);
+    float change = kPulls ? floatOfFours(TaxelJacobian, (instance * 6 + k) * NUM_TAXELS + t) : spreadChange(instance, t, k);
     sums.s[k] += weight * change;
   }
 }

@@ -20,7 +20,6 @@
 #include "shared/random.h"
 #include "shared/sensor.h"
 #include "driver/pairs.glsl"
-#include "driver/texels.glsl"
 #include "passes/declare.glsl"
 #include "passes/image.h"
 

@@ -13,7 +13,6 @@
 // Shared memory: none.
 // Mutable globals: none.
 
-#include "driver/texels.glsl"
 #include "shared/batch.h"
 #include "shared/candidates.h"
 #include "shared/objects.h"

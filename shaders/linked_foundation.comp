@@ -15,7 +15,6 @@
 
 #include "driver/pairs.glsl"
 #include "driver/barrier.glsl"
-#include "driver/texels.glsl"
 #include "shared/batch.h"
 #include "shared/features.h"
 #include "shared/sensor.h"
@@ -48,7 +47,7 @@ bool hasEnded(uint instance) {
 
 // Whether a load search continues above the offset that it tries, whatever the force there is.
 bool isAboveThis(uint instance) {
-  if (!LOADS || is_too_deep == 0 || (instances[instance].keys.w & kFlagLoadDriven) == 0) return false;
+  if (!LOADS || is_too_deep == 0 || (instanceRecord(instance).keys.w & kFlagLoadDriven) == 0) return false;
   float status = loads[instance].bracket.w;
   return status == kLoadSearching || status == kLoadRefining;
 }

@@ -47,7 +47,7 @@ Tried sumOfTiles(uint instance) {
   float deep = 0.0;
   uint behind = 0;
   for (uint t = 0; t < NUM_TILES; ++t) {
-    TileResult result = tile_results[instance * NUM_TILES + t];
+    TileResult result = tileResult(instance * NUM_TILES + t);
     tried.force -= result.force.z;
     deep += result.force.w;
     if (NEWTON) tried.slope += result.torque.w;
@@ -77,7 +77,7 @@ void main() {
   if (!isProcessed(instance)) return;
   LoadRecord record = loads[instance];
   float status = record.bracket.w;
-  if ((instances[instance].keys.w & kFlagLoadDriven) == 0) {
+  if ((instanceRecord(instance).keys.w & kFlagLoadDriven) == 0) {
     loads[instance].bracket.w = kLoadCarried;  // driven by its pose: one evaluation suffices
     return;
   }
@@ -89,7 +89,7 @@ void main() {
   }
 
   Tried tried = sumOfTiles(instance);
-  float load = instances[instance].drive.x, at = refining ? record.forces.z : record.bracket.x;
+  float load = instanceRecord(instance).drive.x, at = refining ? record.forces.z : record.bracket.x;
   record.forces.w += 1.0;
   if (!tried.too_deep && load > 0.0 && abs(tried.force - load) <= kTolerance * load) {
     loads[instance].bracket.w = kLoadCarried;

@@ -11,7 +11,6 @@
 
 #include "shared/batch.h"
 #include "shared/sensor.h"
-#include "driver/texels.glsl"
 #include "passes/declare.glsl"
 #include "passes/mask_jacobian.h"
 

@@ -19,7 +19,7 @@ void main() {
   if (!isProcessed(instance)) return;
   uint taxel = number - instance * NUM_TAXELS;
   float force = contactForce(instance, taxel);
-  uint flags = instances[instance].keys.w;
+  uint flags = instanceRecord(instance).keys.w;
   // At rest the spring carries the load.
   bool at_rest = (flags & (kFlagFirstStep | kFlagLoadDriven)) != 0;
   vec2 off_rest = at_rest ? vec2(0) : law_state[number] - vec2(force, 0);

@@ -16,7 +16,6 @@
 
 #include "driver/pairs.glsl"
 #include "driver/barrier.glsl"
-#include "driver/texels.glsl"
 #include "driver/vector_sums.glsl"
 #include "shared/batch.h"
 #include "shared/features.h"
@@ -85,7 +84,7 @@ float nextDepth(Search search) {
 
 void solveInstance(uint instance, uint num_instances) {
   if (isHeld(instance)) return;
-  bool by_load = LOADS && (instances[instance].keys.w & kFlagLoadDriven) != 0;
+  bool by_load = LOADS && (instanceRecord(instance).keys.w & kFlagLoadDriven) != 0;
   Surface surface = Surface(instance * kNodes.x * kNodes.y, instance * NUM_HEIGHT_TILES, 0.0, 0.0);
   Search search = Search(0.0, 0.0, THICKNESS, 0.0, 0.0, 0.0, 0.0);
   bool no_surface = false;
@@ -93,7 +92,7 @@ void solveInstance(uint instance, uint num_instances) {
     float lowest = lowestHeight(surface);
     no_surface = lowest >= kMiss;
     if (!no_surface) surface.origin = lowest;
-    search.load = no_surface ? 0.0 : instances[instance].drive.x;
+    search.load = no_surface ? 0.0 : instanceRecord(instance).drive.x;
     search.low_excess = -search.load;
     if (search.load > 0.0) surface.depth = THICKNESS;
   }

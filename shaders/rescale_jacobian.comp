@@ -23,7 +23,7 @@ void main() {
   uint instance = number / 6;
   if (!isProcessed(instance)) return;
   float pressed = 0.0, carried = 0.0, pressed_change = 0.0, carried_change = 0.0;
-  for (uint t = 0; t < NUM_TILES; ++t) pressed += tile_results[instance * NUM_TILES + t].torque.w;
+  for (uint t = 0; t < NUM_TILES; ++t) pressed += tileResult(instance * NUM_TILES + t).torque.w;
   uint first = number * NUM_TAXELS, first_taxel = instance * NUM_TAXELS;
   uint t = 0;
   for (; t < NUM_TAXELS; ++t) {

@@ -49,7 +49,7 @@ void outputJoints(uint i) {
 void main() {
   uint i = workgroupNumber() * WORKGROUP + gl_LocalInvocationIndex;
   if (!isProcessed(i) || loop_starts[i].keys.x == 0) return;
-  uint frame = instances[i].clock.x;
+  uint frame = instanceRecord(i).clock.x;
   if (frame == 0) startEpisode(i);
   Pose X_WS = readSensorPose(i), X_WO = objectInWorld(i);
   if (OBJECT_POSES) {

@@ -45,7 +45,7 @@ void computePart(uint number, bool is_valid, uint num_instances) {
   bool is_due = is_valid && hasNewValues(instance, CLEAN);
   bool writes = is_due && gl_LocalInvocationIndex % TEAM == 0;
   Part part = loadPart(instance, which, is_due);
-  PlaneRecord plane = planes[part.plane];
+  PlaneRecord plane = planeRecord(part.plane);
   PartSums first = sumPart(kSumsFirst, part, vec3(0), 0);
   float force = first.s[0];
   bool touches = force > kMinForce;

@@ -9,7 +9,6 @@
 // Shared memory: none.
 // Twin: src/reference/tactile_jacobian.cpp.
 
-#include "driver/texels.glsl"
 #include "shared/batch.h"
 #include "shared/features.h"
 #include "shared/sensor.h"
@@ -58,7 +57,7 @@ void writeTaxel(uint instance, uint in_sensor) {
   uint patch_number = NUM_ROWS > 0 ? 0u : uint(taxels[in_sensor].readout.z);
   Affine X_PS = patchPose(patch_number);
   vec3 by_v, by_w;
-  taxelChange(instance * NUM_TAXELS, in_sensor, patches[patch_number].grid, by_v, by_w);
+  taxelChange(instance * NUM_TAXELS, in_sensor, patchRecord(patch_number).grid, by_v, by_w);
   // The sensor's v at the origin of P is v + w x p, so that force . (w x p) = w . (p x force).
   vec3 v = -toSensor(X_PS, by_v);
   vec3 w = -toSensor(X_PS, by_w) + cross(originInSensor(X_PS), v);

@@ -23,7 +23,7 @@
 // A play operator follows the force at a distance of at most its width; a sensor starts unloaded.
 vec3 hysteresis(uint instance, uint taxel, vec3 force) {
   vec3 width = vec3(WIDTH_X, WIDTH_Y, WIDTH_Z), strength = vec3(STRENGTH_X, STRENGTH_Y, STRENGTH_Z);
-  bool is_first = (instances[instance].keys.w & kFlagFirstStep) != 0;
+  bool is_first = (instanceRecord(instance).keys.w & kFlagFirstStep) != 0;
   vec3 play = vec3(0);
   for (uint a = 0; a < 3; ++a) {
     uint at = (instance * 3 + a) * NUM_TAXELS + taxel;
@@ -34,15 +34,15 @@ vec3 hysteresis(uint instance, uint taxel, vec3 force) {
 }
 
 float gainOf(uint instance, uint taxel) {
-  vec4 drive = instances[instance].drive;
+  vec4 drive = instanceRecord(instance).drive;
   float gain = drive.y * taxels[taxel].readout.x;
-  if (RANDOM && drive.z > 0.0) gain *= exp(drive.z * gaussian(step_record.batch.zw, instances[instance].keys.xy, 0, taxel, kPurposeTaxelGain));
+  if (RANDOM && drive.z > 0.0) gain *= exp(drive.z * gaussian(step_record.batch.zw, instanceRecord(instance).keys.xy, 0, taxel, kPurposeTaxelGain));
   return gain;
 }
 
 vec3 noiseOf(uint instance, uint taxel) {
   vec3 level = vec3(NOISE_X, NOISE_Y, NOISE_Z);
-  uvec4 keys = instances[instance].keys;
+  uvec4 keys = instanceRecord(instance).keys;
   vec3 noise = vec3(0);
   for (uint a = 0; a < 3; ++a) {
     if (level[a] > 0.0) noise[a] = level[a] * gaussian(step_record.batch.zw, keys.xy, keys.z, taxel, kPurposeAxisNoise + a);

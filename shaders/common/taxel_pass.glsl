@@ -3,7 +3,6 @@
 
 #include "shared/batch.h"
 #include "shared/sensor.h"
-#include "driver/texels.glsl"
 #include "passes/declare.glsl"
 #include "passes/taxel_law.h"
 
@@ -17,12 +16,12 @@ uint invocationNumber() { return workgroupNumber() * WORKGROUP + gl_LocalInvocat
 // Whether the contact pass has written a taxel's force. On a grid of one tile it writes only those inside the window of its result.
 bool isWritten(uint instance, uint taxel) {
   if (NUM_TILES > 1 || NUM_ROWS == 0) return true;
-  uvec4 window = tile_results[instance].window;
+  uvec4 window = fourOf(ResultFours, 3 * instance + 2);
   uvec2 at = uvec2(taxel / NUM_COLS, taxel % NUM_COLS);
   return at.x >= window.x && at.x < window.y && at.y >= window.z && at.y < window.w;
 }
 
-float contactForce(uint instance, uint taxel) { return isWritten(instance, taxel) ? contact_normal[instance * NUM_TAXELS + taxel] : 0.0; }
+float contactForce(uint instance, uint taxel) { return isWritten(instance, taxel) ? floatOfFours(ForceFours, instance * NUM_TAXELS + taxel) : 0.0; }
 
 vec2 contactShear(uint instance, uint taxel) {
   uint first = 2 * (instance * NUM_TAXELS + taxel);

@@ -15,14 +15,14 @@ struct Patch {
 Patch patchAt(uint p) {
   Patch loaded;
   loaded.X_PS = Affine(vec4(1, 0, 0, 0), vec4(0, 1, 0, 0), vec4(0, 0, 1, 0));
-  if (!FLAT) loaded.X_PS = Affine(patches[p].row0, patches[p].row1, patches[p].row2);
+  if (!FLAT) loaded.X_PS = Affine(patchRecord(p).row0, patchRecord(p).row1, patchRecord(p).row2);
   loaded.size = uvec2(NUM_ROWS, NUM_COLS);
   loaded.first_taxel = 0;
   loaded.pitch = vec2(PITCH_X, PITCH_Y);
   if (NUM_ROWS == 0) {
-    loaded.size = patches[p].grid.xy;
-    loaded.first_taxel = patches[p].grid.z;
-    loaded.pitch = patches[p].spacing.xy * float(SAMPLES);
+    loaded.size = patchRecord(p).grid.xy;
+    loaded.first_taxel = patchRecord(p).grid.z;
+    loaded.pitch = patchRecord(p).spacing.xy * float(SAMPLES);
   }
   return loaded;
 }

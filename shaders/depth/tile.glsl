@@ -51,14 +51,14 @@ Tile loadTile(uint number) {
   tile.spacing = vec2(PITCH_X, PITCH_Y) / float(SAMPLES);
   tile.z_floor = 0.0;
   if (NUM_ROWS == 0) {
-    tile.grid = patches[place.x].grid;
-    tile.spacing = patches[place.x].spacing.xy;
-    tile.z_floor = -patches[place.x].spacing.w;
+    tile.grid = patchRecord(place.x).grid;
+    tile.spacing = patchRecord(place.x).spacing.xy;
+    tile.z_floor = -patchRecord(place.x).spacing.w;
   }
   tile.sample_area = tile.spacing.x * tile.spacing.y;
   tile.force_area = tile.sample_area;
   tile.X_PS = Affine(vec4(1, 0, 0, 0), vec4(0, 1, 0, 0), vec4(0, 0, 1, 0));
-  if (!FLAT) tile.X_PS = Affine(patches[place.x].row0, patches[place.x].row1, patches[place.x].row2);
+  if (!FLAT) tile.X_PS = Affine(patchRecord(place.x).row0, patchRecord(place.x).row1, patchRecord(place.x).row2);
   tile.corner = -0.5 * vec2(tile.grid.xy * SAMPLES - 1u) * tile.spacing;
   tile.first_taxel = place.yz;
   tile.size = size.xy;

@@ -22,4 +22,9 @@ const bool kFetchesTexels = false;
 // Component `i`. By selection, because compilers keep in memory what has an index that is not constant.
 uint component(uvec4 four, uint i) { return mix(mix(four.x, four.y, i == 1u), mix(four.z, four.w, i == 3u), i > 1u); }
 // One word of such a buffer.
+#if defined(LOCKSTEP) || defined(PAIRS_OF_64_BITS)
 #define wordOfFours(Name, index) component(fourOf(Name, (index) / 4u), (index) % 4u)
+#else
+#define wordOfFours(Name, index) fours_of_##Name[(index) / 4u][(index) % 4u]
+#endif
+#define floatOfFours(Name, index) uintBitsToFloat(wordOfFours(Name, index))

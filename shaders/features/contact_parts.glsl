@@ -43,14 +43,14 @@ Part loadPart(uint instance, uint number, bool is_due) {
   }
   if (!kOnePatch && !kList && number > 0 && end > 0) {
     plane = number < kFirstRegion ? number - 1 : uint(readoutOf(region).z);
-    uvec4 grid = planes[plane].grid;
+    uvec4 grid = planeRecord(plane).grid;
     first = grid.z;
     end = grid.z + grid.x * grid.y;
     is_grid = true;
   }
   if (!is_due) end = 0;
-  vec4 pitch = planes[plane].pitch;
-  vec2 size = vec2(planes[plane].grid.xy);
+  vec4 pitch = planeRecord(plane).pitch;
+  vec2 size = vec2(planeRecord(plane).grid.xy);
   return Part(instance * kTaxelFours, first, end, region, plane, is_grid, pitch, size, 1.0 / size.y, 1.0 / pitch.xyz);
 }
 
@@ -60,7 +60,7 @@ bool isOfRegion(Part part, uint word) { return REGIONS == 0 || part.region == kN
 // A position in the frame of `taxels`, in C.
 vec3 inPlane(Part part, vec3 p) {
   if (kOnePatch || part.plane == LAST_PLANE) return p;
-  PlaneRecord plane = planes[part.plane];
+  PlaneRecord plane = planeRecord(part.plane);
   vec3 d = p - vec3(plane.X_SC_row0.w, plane.X_SC_row1.w, plane.X_SC_row2.w);
   return plane.X_SC_row0.xyz * d.x + plane.X_SC_row1.xyz * d.y + plane.X_SC_row2.xyz * d.z;
 }

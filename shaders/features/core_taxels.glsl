@@ -28,7 +28,7 @@ void markCoreInColumn(Instance instance, uint first, uvec4 grid) {
     if (i < grid.x) run = (taxel_regions[instance.first_word + first + i * grid.y] & kCoreInRow) != 0 ? run + 1u : 0u;
     if (!isInside(i, distance, grid.x, run)) continue;
     uint taxel = first + (i - distance) * grid.y;
-    if (is_clean || float(image[instance.first_taxel + taxel]) < SATURATION) taxel_regions[instance.first_word + taxel] |= kCoreTaxel;
+    if (is_clean || float(wordOfFours(Image, instance.first_taxel + taxel)) < SATURATION) taxel_regions[instance.first_word + taxel] |= kCoreTaxel;
   }
   checkLoop(i < grid.x + distance);
 }
@@ -37,7 +37,7 @@ void markCoreInColumn(Instance instance, uint first, uvec4 grid) {
 void markCore(Instance instance, uint lane) {
   if (!kGrids) return;
   for (uint patch_number = 0; patch_number < NUM_PATCHES; ++patch_number) {
-    uvec4 grid = planes[patch_number].grid;
+    uvec4 grid = planeRecord(patch_number).grid;
     uint rows = instance.end > 0 ? grid.x : 0u, cols = instance.end > 0 ? grid.y : 0u;
     for (uint row = lane; row < rows; row += TEAM) markCoreInRow(instance.first_word, grid.z + row * grid.y, grid);
     teamBarrier();

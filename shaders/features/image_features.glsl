@@ -8,8 +8,8 @@ float unsignedZero(float x) { return (floatBitsToUint(x) << 1) == 0 ? 0.0 : x; }
 void writeContactResults(Instance instance, uint num_instances) {
   vec4 force = vec4(0), torque = vec4(0);
   for (uint t = 0; t < NUM_TILES; ++t) {
-    force += tile_results[instance.number * NUM_TILES + t].force;
-    torque += tile_results[instance.number * NUM_TILES + t].torque;
+    force += tileResult(instance.number * NUM_TILES + t).force;
+    torque += tileResult(instance.number * NUM_TILES + t).torque;
   }
   vec4 bracket = vec4(0, 0, 0, kLoadCarried);
   if ((instance.keys.w & kFlagLoadDriven) != 0) {

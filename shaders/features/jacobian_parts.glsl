@@ -21,12 +21,12 @@ struct Part {
 // Part `number` (< kParts) of an instance; empty if it is not due.
 Part loadPart(uint instance, uint number, bool is_due) {
   uint plane = kOnePatch ? 0 : number == 0 ? LAST_PLANE : number - 1;
-  uvec4 grid = planes[plane].grid;
+  uvec4 grid = planeRecord(plane).grid;
   bool is_grid = kOnePatch || number > 0;
   uint first = number > 0 ? grid.z : 0;
   uint end = number > 0 ? grid.z + grid.x * grid.y : NUM_TAXELS;
-  return Part(instance, first, is_due ? end : first, plane, is_grid, planes[plane].pitch.xy, vec2(grid.xy),
-              instances[instance].drive.yz, instances[instance].keys.xy, taxels[0].readout.xy);
+  return Part(instance, first, is_due ? end : first, plane, is_grid, planeRecord(plane).pitch.xy, vec2(grid.xy),
+              instanceRecord(instance).drive.yz, instanceRecord(instance).keys.xy, taxels[0].readout.xy);
 }
 
 // Position of the taxel in a row and a column of the plane's grid in C, m.

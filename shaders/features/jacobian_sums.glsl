@@ -82,7 +82,7 @@ PartSums momentsBy(Part part, uint t, vec3 middle) {
 void addChanges(Part part, uint t, vec3 middle, inout Changes changes) {
   PartSums moments = momentsBy(part, t, middle);
   for (uint k = 0; k < 6; ++k) {
-    float change = NUM_ROWS == 0 ? spreadChange(part.instance, t, k) : taxel_jacobian[(part.instance * 6 + k) * NUM_TAXELS + t];
+    float change = NUM_ROWS == 0 ? spreadChange(part.instance, t, k) : floatOfFours(TaxelJacobian, (part.instance * 6 + k) * NUM_TAXELS + t);
     for (uint s = 0; s < kMostSums; ++s) {
       if (NUM_ROWS == 0 || s != 3) changes.by[k].s[s] += change * moments.s[s];
     }

@@ -3,7 +3,7 @@
 
 // A taxel's force as the features count it, N, and its derivative by the spread force.
 vec2 readingOf(Part part, uint t) {
-  float force = spread_normal[part.instance * NUM_TAXELS + t];
+  float force = floatOfFours(SpreadNormal, part.instance * NUM_TAXELS + t);
   if (CLEAN) return vec2(force, 1);
   uvec2 seed = step_record.batch.zw;
   // On a software driver loading two words of a taxel takes more time than the rest.

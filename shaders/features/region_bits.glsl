@@ -43,7 +43,7 @@ uint coreOfRow(uint bits, uint distance) {
 }
 
 void findCoreByBits() {
-  uint distance = planes[0].grid.w;
+  uint distance = planeRecord(0).grid.w;
   for (uint row = 0; row < kBitRows; ++row) {
     uint found = row > 0 && row + 1 < kBitRows ? core[row] : 0u;
     uint last = min(row + distance, kBitRows - 1u);

@@ -48,7 +48,7 @@ struct Place {
 };
 
 Place placeOf(uint t) {
-  uvec4 grid = planes[NUM_PATCHES == 1 ? 0 : uint(taxels[t].readout.z)].grid;
+  uvec4 grid = planeRecord(NUM_PATCHES == 1 ? 0 : uint(taxels[t].readout.z)).grid;
   uint cols = NUM_PATCHES == 1 && NUM_ROWS > 0 ? NUM_COLS : grid.y;
   return Place(grid, uvec2((t - grid.z) / cols, (t - grid.z) % cols));
 }

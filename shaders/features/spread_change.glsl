@@ -31,7 +31,7 @@ float spreadChange(uint instance, uint t, uint k) {
   if (NUM_ROWS == 0) {
     for (uint e = 0; e < NUM_ENTRIES; ++e) {
       vec2 entry = spreadEntry(e, t);
-      sum += entry.y * taxel_jacobian[first + floatBitsToUint(entry.x)];
+      sum += entry.y * floatOfFours(TaxelJacobian, first + floatBitsToUint(entry.x));
     }
     return sum;
   }
@@ -41,7 +41,7 @@ float spreadChange(uint instance, uint t, uint k) {
     for (int b = -kRadius; b <= kRadius; ++b) {
       uvec2 source = uvec2(at - ivec2(a, b));  // wraps to large numbers outside
       if (any(greaterThanEqual(source, uvec2(NUM_ROWS, NUM_COLS)))) continue;
-      sum += kernelAt(a, b) * taxel_jacobian[first + source.x * NUM_COLS + source.y];
+      sum += kernelAt(a, b) * floatOfFours(TaxelJacobian, first + source.x * NUM_COLS + source.y);
     }
   }
   return sum;

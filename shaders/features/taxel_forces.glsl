@@ -11,7 +11,7 @@ struct Measured {
 };
 
 Measured measuredAt(Instance instance, uint t) {
-  uint word = image[instance.first_taxel + t];
+  uint word = wordOfFours(Image, instance.first_taxel + t);
   if (is_clean) {
     float force = uintBitsToFloat(word);
     return Measured(force, force > max(taxels[t].readout.y, 0.0), false);

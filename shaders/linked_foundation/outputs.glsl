@@ -13,7 +13,7 @@ void sumBlocks(uint instance) {
   uint i = gl_LocalInvocationIndex;
   for (; i < num_listed_blocks; i += WORKGROUP) {
     uint block = block_list[i];
-    PatchRecord patch_record = patches[foundation_blocks[block].near.z];
+    PatchRecord patch_record = patchRecord(foundation_blocks[block].near.z);
     vec3 sums = vec3(0);
     float depth = 0.0, deep = 0.0;
     bool is_near = (block_flags[block] & kIsNear) != 0;
@@ -69,7 +69,7 @@ float slopeOf(float force_z) {
 
 // Writes tile_results of a patch: force and torque about the origin of S, in S.
 void writePatch(uint instance, uint number) {
-  PatchRecord patch_record = patches[number];
+  PatchRecord patch_record = patchRecord(number);
   uint block = patch_record.grid.z / kNodesPerBlock, end = block + patch_record.grid.x * patch_record.grid.y / kNodesPerBlock;
   vec4 sums = vec4(0);
   bool behind = false;

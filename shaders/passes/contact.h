@@ -50,13 +50,13 @@ CONSTANT(50, uint,
 CONSTANT(51, bool, OUTPUT_WRENCH_CHANGE)  // with OUTPUT_JACOBIAN, writes tile_changes, from which the wrench's derivatives follow
 
 TEXELS(0, Poses)
-BUFFER(1, readonly, Instances)
+TEXELS(1, Instances)
 UNIFORM(2, Step)
 TEXELS(3, Objects)
 TEXELS(4, Groups)
 TEXELS(5, Clusters)
 TEXELS(6, Quads)
-BUFFER(7, readonly, Patches)
+TEXELS(7, Patches)
 BUFFER(8, readonly, Tiles)
 TEXELS(9, SpreadScale)
 BUFFER(10, readwrite, State)

@@ -12,10 +12,10 @@ CONSTANT(17, float, SLOPE)      // counts/N
 CONSTANT(18, float, STIFFNESS)  // d pressure / d depth = STIFFNESS pressure^(1 - 1 / EXPONENT), N, m
 CONSTANT(19, float, EXPONENT)
 
-BUFFER(0, readonly, Instances)
+TEXELS(0, Instances)
 UNIFORM(1, Step)
 TEXELS(2, Taxels)
-BUFFER(3, readonly, Planes)
+TEXELS(3, Planes)
 TEXELS(4, Forces)
 TEXELS(5, TaxelRegions)
 BUFFER(6, readonly, Regions)

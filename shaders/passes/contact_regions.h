@@ -14,13 +14,13 @@ CONSTANT(21, float, SATURATION)
 CONSTANT(22, float, CURVE_LIMIT)
 CONSTANT(23, int, CURVE_PIECES)
 
-BUFFER(0, readonly, Instances)
+TEXELS(0, Instances)
 UNIFORM(1, Step)
 UNIFORM(2, SensorBlock)
 BUFFER(3, readonly, Taxels)
-BUFFER(4, readonly, Planes)
+TEXELS(4, Planes)
 BUFFER(5, readonly, Neighbours)
-BUFFER(6, readonly, Image)  // or SpreadNormal, as bits
+TEXELS(6, Image)  // or SpreadNormal, as bits
 BUFFER(7, readwrite, Forces)
 BUFFER(8, coherent, TaxelRegions)
 BUFFER(9, coherent, RegionSums)

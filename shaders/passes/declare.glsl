@@ -1,4 +1,4 @@
-// Turns the lists of this folder into GLSL. Included after driver/, before the list of a pass.
+// Turns the lists of this folder into GLSL. Included before the list of a pass.
 //
 // A list declares what a pass takes from the host, once for both languages:
 //   CONSTANT(id, type, NAME)         specialization constant; the host gives every one a value, so there are no defaults
@@ -9,6 +9,7 @@
 //   COHERENT_TEXELS(binding, Block)  array that the same pass writes as a BUFFER of another block, and loadFour() reads four words at a time
 // src/simulation/passes/interfaces.h reads the same lists.
 
+#include "driver/texels.glsl"
 #include "shared/batch.h"
 #include "shared/candidates.h"
 #include "shared/iterations.h"
@@ -27,3 +28,4 @@
 
 #include "passes/common.h"
 layout(local_size_x_id = 0) in;
+#include "common/records.glsl"

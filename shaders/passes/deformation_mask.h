@@ -7,12 +7,12 @@ CONSTANT(14, uint, TEAM)             // invocations that share an instance
 CONSTANT(15, uint, PARTIALS)         // LANES for every team of more than one invocation
 CONSTANT(16, bool, OUTPUT_RESPONSE)  // writes law_state, for the tactile Jacobian
 
-BUFFER(0, readonly, Instances)
+TEXELS(0, Instances)
 UNIFORM(1, Step)
 BUFFER(2, readonly, SpreadScale)
 TEXELS(3, Mask)
 BUFFER(4, readonly, ContactNormal)
-BUFFER(5, readonly, TileResults)
+TEXELS(5, TileResults)
 BUFFER(6, readonly, Taxels)
 BUFFER(7, writeonly, LawState)
 BUFFER(8, readwrite, MaskedNormal)

@@ -26,7 +26,7 @@ CONSTANT(33, float, CELL_BASE)
 CONSTANT(34, float, POINT_COMPLIANCE)  // of a point, times distance, m
 CONSTANT(35, float, IMAGE_DEPTH)       // of the base, m; 0 without one
 
-BUFFER(0, readonly, Instances)
+TEXELS(0, Instances)
 UNIFORM(1, Step)
 UNIFORM(2, SensorBlock)
 TEXELS(3, Heights)

@@ -10,7 +10,7 @@ CONSTANT(14, bool, SYMMETRIC)    // a taxel gives its sources what it takes from
 UNIFORM(0, Step)
 BUFFER(1, readonly, SpreadRows)
 BUFFER(2, readonly, SpreadNormal)
-BUFFER(3, readonly, TaxelJacobian)
+TEXELS(3, TaxelJacobian)
 BUFFER(4, readonly, Cotangents)
 BUFFER(5, readonly, ForceCotangents)
 BUFFER(6, writeonly, TwistGradient)

@@ -36,14 +36,14 @@ CONSTANT(38, bool, READS_AT_REST)            // a taxel has a trigger below 0
 CONSTANT(39, uint, MARGIN)                   // so many taxels around those that objects reach may have a force, too
 CONSTANT(40, bool, PAIRS)                    // two taxels of a row at a time; for rows of even length and a kernel of 3 x 3
 
-BUFFER(0, readonly, Instances)
+TEXELS(0, Instances)
 UNIFORM(1, Step)
 UNIFORM(2, SensorBlock)
 BUFFER(3, readonly, Taxels)
 BUFFER(4, readonly, SpreadRows)
 BUFFER(5, readonly, ContactNormal)
 BUFFER(6, readonly, ContactShear)
-BUFFER(7, readonly, TileResults)
+TEXELS(7, TileResults)
 BUFFER(8, readonly, Loads)
 BUFFER(9, writeonly, Image)
 BUFFER(10, writeonly, SpreadNormal)

@@ -11,7 +11,7 @@ CONSTANT(16, uint, FOUND_PER_WORKGROUP)  // the same of find_candidates.comp
 TEXELS(0, Poses)
 UNIFORM(1, Step)
 TEXELS(2, Objects)
-BUFFER(3, readonly, Patches)
+TEXELS(3, Patches)
 BUFFER(4, readonly, Tiles)
 BUFFER(5, readwrite, Candidates)
 BUFFER(6, readwrite, Work)

@@ -13,9 +13,9 @@ CONSTANT(20, bool, OUTPUT_DEPTH)      // writes contact_depth
 CONSTANT(21, uint, BLOCKS_PER_TAXEL)
 CONSTANT(22, bool, AREA)  // outlines cut links, common/cut_links.glsl
 
-BUFFER(0, readonly, Instances)
+TEXELS(0, Instances)
 UNIFORM(1, Step)
-BUFFER(2, readonly, Patches)
+TEXELS(2, Patches)
 BUFFER(3, readonly, Heights)
 BUFFER(4, readonly, Windows)
 BUFFER(5, readonly, SpreadScale)

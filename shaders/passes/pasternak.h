@@ -18,7 +18,7 @@ CONSTANT(24, bool, AREA)              // outlines cut links, common/cut_links.gl
 VALUE(kBlockRows, 4)  // nodes of a block, pasternak/blocks.glsl
 VALUE(kBlockCols, 16)
 
-BUFFER(0, readonly, Instances)
+TEXELS(0, Instances)
 UNIFORM(1, Step)
 UNIFORM(2, SensorBlock)
 TEXELS(3, Heights)

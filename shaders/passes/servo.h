@@ -16,7 +16,7 @@ CONSTANT(23, uint, TWIST_ROWS)  // selected components of a twist
 CONSTANT(24, uint, GRAM_SIZE)   // the smaller one of TWIST_ROWS and NUM_JOINTS
 CONSTANT(25, uint, DELAY)       // of the drives, frames
 
-BUFFER(0, readonly, Instances)
+TEXELS(0, Instances)
 UNIFORM(1, Step)
 BUFFER(2, readonly, Objects)
 BUFFER(3, readonly, Servos)

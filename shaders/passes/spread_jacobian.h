@@ -3,7 +3,7 @@
 CONSTANT(11, uint, NUM_ENTRIES)  // of a taxel's list of sources, where the sensor is not one grid patch
 
 UNIFORM(0, Step)
-BUFFER(1, readonly, Instances)
+TEXELS(1, Instances)
 BUFFER(2, readonly, SpreadRows)
-BUFFER(3, readonly, TaxelJacobian)
+TEXELS(3, TaxelJacobian)
 BUFFER(4, writeonly, SpreadJacobian)

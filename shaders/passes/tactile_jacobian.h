@@ -14,13 +14,13 @@ CONSTANT(19, bool, RANDOM)                   // some instance draws gains
 CONSTANT(20, float, DEAD_TAXEL_PROBABILITY)  // probability
 CONSTANT(21, bool, SAME_READOUT)             // all taxels have the gain and the trigger of the first
 
-BUFFER(0, readonly, Instances)
+TEXELS(0, Instances)
 UNIFORM(1, Step)
 BUFFER(2, readonly, Taxels)
-BUFFER(3, readonly, Planes)
+TEXELS(3, Planes)
 BUFFER(4, readonly, SpreadRows)
-BUFFER(5, readonly, SpreadNormal)
-BUFFER(6, readonly, TaxelJacobian)
+TEXELS(5, SpreadNormal)
+TEXELS(6, TaxelJacobian)
 BUFFER(7, readonly, WrenchJacobian)
 BUFFER(8, writeonly, TactileJacobian)
 BUFFER(9, writeonly, Problems)

@@ -6,7 +6,7 @@ CONSTANT(13, float, LAW_1)
 CONSTANT(14, bool, SHEAR)  // contact_shear is an output
 CONSTANT(15, float, FRICTION_COEFFICIENT)
 
-BUFFER(0, readonly, Instances)
+TEXELS(0, Instances)
 UNIFORM(1, Step)
 BUFFER(2, readonly, SpreadScale)
 BUFFER(3, readwrite, ContactNormal)
@@ -14,3 +14,5 @@ BUFFER(4, readwrite, LawState)
 BUFFER(5, readwrite, TileResults)
 BUFFER(6, writeonly, Problems)
 BUFFER(7, readwrite, ContactShear)
+TEXELS(8, ForceFours)   // ContactNormal
+TEXELS(9, ResultFours)  // TileResults

@@ -21,7 +21,7 @@ CONSTANT(28, float, WIDTH_Y)
 CONSTANT(29, float, WIDTH_Z)
 CONSTANT(30, float, SATURATION)  // counts
 
-BUFFER(0, readonly, Instances)
+TEXELS(0, Instances)
 UNIFORM(1, Step)
 BUFFER(2, readonly, Taxels)
 BUFFER(3, readonly, SpreadNormal)

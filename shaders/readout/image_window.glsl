@@ -24,7 +24,7 @@ ImageWindow imageWindow(uint instance, bool everything) {
   }
   uvec2 first = all_taxels, end = uvec2(0);
   for (uint t = 0; t < NUM_TILES; ++t) {
-    uvec4 reached = tile_results[instance * NUM_TILES + t].window;
+    uvec4 reached = tileResult(instance * NUM_TILES + t).window;
     if (reached.x < reached.y) {
       first = min(first, reached.xz - min(reached.xz, uvec2(kContactMargin)));
       end = max(end, min(reached.yw + kContactMargin, all_taxels));

@@ -39,8 +39,8 @@ struct LagState {
 };
 
 LagState statesOf(uint instance, uint t, uint step) {
-  uint back = RANDOM_SKIN ? instances[instance].clock.y : step_record.delay.y;
-  return LagState(instance * numStates() * NUM_TAXELS + t, step, back, RANDOM_SKIN ? instances[instance].skin.w : 1.0);
+  uint back = RANDOM_SKIN ? instanceRecord(instance).clock.y : step_record.delay.y;
+  return LagState(instance * numStates() * NUM_TAXELS + t, step, back, RANDOM_SKIN ? instanceRecord(instance).skin.w : 1.0);
 }
 
 uint stateIndex(LagState states, uint number) { return states.first + number * NUM_TAXELS; }

@@ -16,11 +16,11 @@ Instance loadInstance(uint number) {
   Instance instance;
   instance.number = number;
   instance.first_taxel = number * NUM_TAXELS;
-  instance.drive = instances[number].drive;
-  instance.keys = instances[number].keys;
+  instance.drive = instanceRecord(number).drive;
+  instance.keys = instanceRecord(number).keys;
   instance.new_frame = (instance.keys.w & kFlagNewFrame) != 0;
   instance.noise_level = sqrt(NOISE * NOISE + instance.drive.w * instance.drive.w);
-  instance.step = hasState() ? instances[number].clock.x : 0;
+  instance.step = hasState() ? instanceRecord(number).clock.x : 0;
   instance.window = imageWindow(number, READS_AT_REST || hasState() || BIAS > 0.0 || RANDOM && instance.noise_level > 0.0);
   instance.origin = instance.window.first + instance.window.count / 2;
   return instance;
@@ -34,7 +34,7 @@ vec4 chartOf(uvec2 at, uvec2 origin) {
 
 // The spread forces of a taxel in an instance with a width of the spread of its own: a share of its force stays on it.
 Spread narrowed(Instance instance, uint t, uvec2 at, Spread spread) {
-  float share = instances[instance.number].spread.x;
+  float share = instanceRecord(instance.number).spread.x;
   float kept = (1.0 - share) * (SCALED ? 1.0 / spread_scale[t] : 1.0);
   spread.normal *= share;
   spread.shear *= share;
@@ -44,7 +44,7 @@ Spread narrowed(Instance instance, uint t, uvec2 at, Spread spread) {
 
 // The factor of an instance and a taxel on the trigger.
 float triggerFactor(Instance instance, uint t, uvec2 seed) {
-  float factor = instances[instance.number].skin.z, spread = instances[instance.number].spread.z;
+  float factor = instanceRecord(instance.number).skin.z, spread = instanceRecord(instance.number).spread.z;
   return spread > 0.0 ? factor * exp(spread * gaussian(seed, instance.keys.xy, 0, t, kPurposeTaxelTrigger)) : factor;
 }
 

@@ -38,7 +38,7 @@ void startLoop(uint i) {
     writeState(i, kStateIntegral + f, 0.0lf);
     writeState(i, kStateError + f, undefinedValue());
   }
-  bool is_load_driven = (instances[i].keys.w & kFlagLoadDriven) != 0;
+  bool is_load_driven = (instanceRecord(i).keys.w & kFlagLoadDriven) != 0;
   writeState(i, kStateLoadOffset, is_load_driven ? double(firstFeature(i, kFeatureLoadOffset)) : 0.0lf);
   writeState(i, kStateStartForce, double(STARTS_AT_LOAD ? loop_starts[i].start_force.x : firstFeature(i, kFeatureTotalForce)));
   writeState(i, kStateStatus, 0.0lf);

@@ -89,7 +89,7 @@ TileStep beginPressures(Tile tile, uint instance, uint tile_number, uint num_slo
   step.result = instance * NUM_TILES + tile_number;
   step.first_taxel = instance * NUM_TAXELS + tile.grid.z;
   step.load_driven = search_here;
-  bool is_first = (instances[instance].keys.w & kFlagFirstStep) != 0;
+  bool is_first = (instanceRecord(instance).keys.w & kFlagFirstStep) != 0;
   step.at_rest = is_first || load_driven;
   step.state = stateStart(step.result);
   step.touched = kStoresTouched ? readRectangle(step.state, kTouchedTaxels, is_first) : uvec4(0);
@@ -97,12 +97,12 @@ TileStep beginPressures(Tile tile, uint instance, uint tile_number, uint num_slo
   step.found = Search(0.0, 0.0, 0.0, kLoadOutOfReach);
   if (!kGlobalSolve && SEARCH == kSearchInTile && search_here) {
     if (taxels.count.x * taxels.count.y > 0) {
-      step.found = searchLoad(tile, step.skin, instances[instance].drive.x, taxels.first * SAMPLES, taxels.count * SAMPLES);
+      step.found = searchLoad(tile, step.skin, instanceRecord(instance).drive.x, taxels.first * SAMPLES, taxels.count * SAMPLES);
     }
     if (gl_LocalInvocationIndex == 0) loads[instance] = LoadRecord(vec4(step.found.offset, 0, 0, step.found.status), vec4(0));
   }
   step.surface = search_here ? step.found.depth + step.found.lowest : THICKNESS;
-  step.friction = RANDOM_SKIN ? instances[instance].skin.y : 1.0;
+  step.friction = RANDOM_SKIN ? instanceRecord(instance).skin.y : 1.0;
   if (kShears) step.only_motion = loadMotions(instance, num_slots, search_here ? step.found.offset : tile.offset_z, tile.X_PS);
   step.body = reach.body;
   step.slot = kKeepsSlots && !usesTile() ? slotNumber(instance * num_slots) : 0u;
@@ -334,7 +334,7 @@ void writeTaxel(Tile tile, uint instance, uvec2 in_patch, TaxelSums sums, Cell c
   vec2 moment = sums.moment * tile.force_area;
   uint in_sensor = tile.grid.z + in_patch.x * tile.grid.y + in_patch.y;
   uint taxel = instance * NUM_TAXELS + in_sensor;
-  float scale = SCALED ? uintBitsToFloat(wordOfFours(SpreadScale, in_sensor)) : 1.0;
+  float scale = SCALED ? floatOfFours(SpreadScale, in_sensor) : 1.0;
   if (!kWritesCells) contact_normal[taxel] = SCALED ? force * scale : force;
   if (OUTPUT_DEPTH) contact_depth[taxel] = sums.depth * kPerSample;
   if (OUTPUT_JACOBIAN) writeCell(tile, taxel, cell);

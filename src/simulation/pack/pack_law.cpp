@@ -11,16 +11,13 @@
 #include "contact_winkler.spv.h"
 #include "contact_winkler_lockstep.spv.h"
 #include "mass_spring_damper.spv.h"
+#include "mass_spring_damper_lockstep.spv.h"
 #include "proximity.spv.h"
 #include "sensor/deformation_mask.h"
 #include "shared/sensor.h"
 
 namespace taxelsim {
 namespace {
-
-gpu::ShaderVariants same(std::span<const std::uint32_t> spirv) {
-  return {spirv, spirv};
-}
 
 // What each law adds to its foundation.
 struct AddLaw {
@@ -29,11 +26,11 @@ struct AddLaw {
 
   void operator()(const Winkler&) const {}
   void operator()(const MassSpringDamper&) const {
-    packed.taxel_passes = {{"mass_spring_damper", same(k_mass_spring_damper_spirv)}};
+    packed.taxel_passes = {{"mass_spring_damper", {k_mass_spring_damper_spirv, k_mass_spring_damper_lockstep_spirv}}};
     packed.whole_array = true;
   }
   void operator()(const DeformationMask& law) const { packed.taxel_parameters = {static_cast<float>(law.saturation_pressure)}; }
-  void operator()(const Proximity&) const { packed.taxel_passes = {{"proximity", same(k_proximity_spirv), TaxelPass::Owner::kTile}}; }
+  void operator()(const Proximity&) const { packed.taxel_passes = {{"proximity", {k_proximity_spirv, k_proximity_spirv}, TaxelPass::Owner::kTile}}; }
   void operator()(const ElasticLayer&) const {
     packed = {.kernel = "contact_elastic_layer",
               .spirv = {k_contact_elastic_layer_spirv, k_contact_elastic_layer_lockstep_spirv},

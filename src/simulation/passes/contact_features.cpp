@@ -6,6 +6,7 @@
 #include "contact_features.spv.h"
 #include "contact_features_lockstep.spv.h"
 #include "contact_regions.spv.h"
+#include "contact_regions_lockstep.spv.h"
 #include "sensor/curve.h"
 #include "shared/features.h"
 
@@ -61,7 +62,9 @@ ContactFeaturePasses::Kernels ContactFeaturePasses::makeKernels(int max_regions)
 gpu::PassKernel<ContactRegionsInterface> ContactFeaturePasses::makeRegions(int max_regions, const TeamSizes& sizes) const {
   const Readout& readout = model_.sensor.readout;
   const PackedContactFeatures& packed = model_.packed_contact;
-  return {model_.context(), "contact_regions", k_contact_regions_spirv, commonConstants(model_.sensor, model_.packed, sizes.pass),
+  return {model_.context(), "contact_regions",
+          model_.profile.select({k_contact_regions_spirv, k_contact_regions_lockstep_spirv}, sizes.pass.workgroup),
+          commonConstants(model_.sensor, model_.packed, sizes.pass),
           ContactRegionsInterface{.TEAM = sizes.team,
                                   .REGIONS = max_regions,
                                   .NUM_NEIGHBOURS = packed.num_neighbours,

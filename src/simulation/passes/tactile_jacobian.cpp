@@ -9,6 +9,7 @@
 #include "sensor/curve.h"
 #include "spread_jacobian.spv.h"
 #include "tactile_jacobian.spv.h"
+#include "tactile_jacobian_lockstep.spv.h"
 #include "taxel_jacobian.spv.h"
 #include "taxel_jacobian_lockstep.spv.h"
 #include "wrench_jacobian.spv.h"
@@ -112,7 +113,9 @@ TactileJacobianPasses::FeatureKernel TactileJacobianPasses::makeFeatureKernel(co
   const Readout& readout = model_.sensor.readout;
   const std::uint32_t lanes = model_.packed_contact.lanes;
   const TeamSizes sizes = teamSizes(wanted_workgroup_, model_.profile, partIterations(model_), lanes, lanes);
-  return {{model_.context(), "tactile_jacobian", k_tactile_jacobian_spirv, commonConstants(model_.sensor, model_.packed, sizes.pass),
+  return {{model_.context(), "tactile_jacobian",
+           model_.profile.select({k_tactile_jacobian_spirv, k_tactile_jacobian_lockstep_spirv}, sizes.pass.workgroup),
+           commonConstants(model_.sensor, model_.packed, sizes.pass),
            TactileJacobianInterface{.CLEAN = variant.clean,
                                     .TEAM = sizes.team,
                                     .PATCHES = model_.packed_contact.num_patches,

@@ -2,8 +2,10 @@
 
 namespace taxelsim {
 
-void TaxelLawPasses::record(Recorder& recorder, bool with_shear) const {
+void TaxelLawPasses::record(Recorder recorder, bool with_shear) const {
   const Kernels& kernels = kernels_.get(with_shear, [&] { return makeKernels(with_shear); });
+  recorder.bindings.redirect<block::ForceFours, block::ContactNormal>();
+  recorder.bindings.redirect<block::ResultFours, block::TileResults>();
   for (std::size_t k = 0; k < kernels.size(); ++k) {
     const std::uint64_t items = recorder.num_instances * itemsPerInstance(model_.law.taxel_passes[k]);
     recorder.dispatch(kernels[k], numWorkgroups(items, gpu::DriverProfile::kIndependentWorkgroup));

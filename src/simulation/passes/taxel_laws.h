@@ -15,7 +15,7 @@ class TaxelLawPasses {
   explicit TaxelLawPasses(const ModelData& model) : model_(model) {}
 
   // All passes of the law in order; none for some laws.
-  void record(Recorder& recorder, bool with_shear) const;
+  void record(Recorder recorder, bool with_shear) const;
 
  private:
   using Kernels = std::vector<gpu::PassKernel<TaxelLawInterface>>;
