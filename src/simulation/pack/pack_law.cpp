@@ -13,6 +13,7 @@
 #include "mass_spring_damper.spv.h"
 #include "mass_spring_damper_lockstep.spv.h"
 #include "proximity.spv.h"
+#include "proximity_lockstep.spv.h"
 #include "sensor/deformation_mask.h"
 #include "shared/sensor.h"
 
@@ -30,7 +31,7 @@ struct AddLaw {
     packed.whole_array = true;
   }
   void operator()(const DeformationMask& law) const { packed.taxel_parameters = {static_cast<float>(law.saturation_pressure)}; }
-  void operator()(const Proximity&) const { packed.taxel_passes = {{"proximity", {k_proximity_spirv, k_proximity_spirv}, TaxelPass::Owner::kTile}}; }
+  void operator()(const Proximity&) const { packed.taxel_passes = {{"proximity", {k_proximity_spirv, k_proximity_lockstep_spirv}, TaxelPass::Owner::kTile}}; }
   void operator()(const ElasticLayer&) const {
     packed = {.kernel = "contact_elastic_layer",
               .spirv = {k_contact_elastic_layer_spirv, k_contact_elastic_layer_lockstep_spirv},

@@ -3,6 +3,7 @@
 #include "find_candidates.spv.h"
 #include "find_candidates_lockstep.spv.h"
 #include "keep_candidates.spv.h"
+#include "keep_candidates_lockstep.spv.h"
 #include "shared/candidates.h"
 
 namespace taxelsim {
@@ -23,7 +24,9 @@ CandidatePasses::Kernels CandidatePasses::makeKernels(const Variant& variant) co
   const auto common = [&](std::uint32_t workgroup) {
     return commonConstants(model_.contact_sensor, model_.contact_packed, {workgroup, contact.lanes, contact.repeat});
   };
-  return {.keep = {model_.context(), "keep_candidates", k_keep_candidates_spirv, common(gpu::DriverProfile::kIndependentWorkgroup),
+  return {.keep = {model_.context(), "keep_candidates",
+                   model_.profile.select({k_keep_candidates_spirv, k_keep_candidates_lockstep_spirv}, gpu::DriverProfile::kNoneWaits),
+                   common(gpu::DriverProfile::kIndependentWorkgroup),
                    KeepCandidatesInterface{.FLAT = model_.contact_packed.flat,
                                            .OUTPUT_JACOBIAN = variant.with_jacobian,
                                            .REACH = model_.law.reach,

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "load.spv.h"
+#include "load_lockstep.spv.h"
 
 namespace taxelsim {
 namespace {
@@ -21,7 +22,8 @@ void LoadSearchPass::record(Recorder& recorder) const {
 }
 
 gpu::PassKernel<LoadInterface> LoadSearchPass::makeKernel() const {
-  return {model_.context(), "load", k_load_spirv, commonConstants(model_.sensor, model_.packed, {.workgroup = workgroup_}),
+  return {model_.context(), "load", model_.profile.select({k_load_spirv, k_load_lockstep_spirv}, gpu::DriverProfile::kNoneWaits),
+          commonConstants(model_.sensor, model_.packed, {.workgroup = workgroup_}),
           LoadInterface{.EVALUATIONS = kMaxEvaluations, .NEWTON = model_.area(), .FIRST_STEP = firstStep(model_)}};
 }
 

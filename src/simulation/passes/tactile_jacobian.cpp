@@ -3,16 +3,20 @@
 #include <algorithm>
 
 #include "force_gradient.spv.h"
+#include "force_gradient_lockstep.spv.h"
 #include "mask_jacobian.spv.h"
 #include "mask_jacobian_lockstep.spv.h"
 #include "rescale_jacobian.spv.h"
+#include "rescale_jacobian_lockstep.spv.h"
 #include "sensor/curve.h"
 #include "spread_jacobian.spv.h"
+#include "spread_jacobian_lockstep.spv.h"
 #include "tactile_jacobian.spv.h"
 #include "tactile_jacobian_lockstep.spv.h"
 #include "taxel_jacobian.spv.h"
 #include "taxel_jacobian_lockstep.spv.h"
 #include "wrench_jacobian.spv.h"
+#include "wrench_jacobian_lockstep.spv.h"
 
 namespace taxelsim {
 namespace {
@@ -60,7 +64,7 @@ void TactileJacobianPasses::recordWrench(Recorder& recorder) const {
   if (model_.layer) return;
   const auto& kernel = wrench_kernel_.get({}, [&] {
     return gpu::PassKernel<WrenchJacobianInterface>(
-        model_.context(), "wrench_jacobian", k_wrench_jacobian_spirv,
+        model_.context(), "wrench_jacobian", model_.profile.select({k_wrench_jacobian_spirv, k_wrench_jacobian_lockstep_spirv}, gpu::DriverProfile::kNoneWaits),
         commonConstants(model_.sensor, model_.packed, {.workgroup = kWorkgroup, .lanes = model_.packed.contact_lanes}),
         WrenchJacobianInterface{.HAS_FORCES = !std::holds_alternative<Proximity>(model_.sensor.skin.law)});
   });
@@ -69,7 +73,8 @@ void TactileJacobianPasses::recordWrench(Recorder& recorder) const {
 
 void TactileJacobianPasses::recordSpread(Recorder& recorder) const {
   const auto& kernel = spread_kernel_.get({}, [&] {
-    return gpu::PassKernel<SpreadJacobianInterface>(model_.context(), "spread_jacobian", k_spread_jacobian_spirv,
+    return gpu::PassKernel<SpreadJacobianInterface>(model_.context(), "spread_jacobian",
+                                                    model_.profile.select({k_spread_jacobian_spirv, k_spread_jacobian_lockstep_spirv}, gpu::DriverProfile::kNoneWaits),
                                                     commonConstants(model_.sensor, model_.packed, {.workgroup = kWorkgroup, .lanes = 1}),
                                                     SpreadJacobianInterface{.NUM_ENTRIES = model_.packed.num_entries});
   });
@@ -103,7 +108,8 @@ TactileJacobianPasses::TaxelKernels TactileJacobianPasses::makeTaxelKernels() co
     kernels.mask.emplace(model_.context(), "mask_jacobian",
                          model_.profile.select({k_mask_jacobian_spirv, k_mask_jacobian_lockstep_spirv}, gpu::DriverProfile::kNoneWaits),
                          common, MaskJacobianInterface{.LAW_0 = model_.law.taxel_parameters[0], .MASK_SOURCES = model_.numMaskSources()});
-    kernels.rescale.emplace(model_.context(), "rescale_jacobian", k_rescale_jacobian_spirv, common,
+    kernels.rescale.emplace(model_.context(), "rescale_jacobian",
+                            model_.profile.select({k_rescale_jacobian_spirv, k_rescale_jacobian_lockstep_spirv}, gpu::DriverProfile::kNoneWaits), common,
                             RescaleJacobianInterface{.SCALED = scaled});
   }
   return kernels;
@@ -133,7 +139,9 @@ TactileJacobianPasses::FeatureKernel TactileJacobianPasses::makeFeatureKernel(co
 TactileJacobianPasses::GradientKernel TactileJacobianPasses::makeGradientKernel() const {
   const std::uint32_t lanes = model_.packed_contact.lanes;
   const TeamSizes sizes = teamSizes(wanted_workgroup_, model_.profile, gradientIterations(model_), lanes, lanes);
-  return {{model_.context(), "force_gradient", k_force_gradient_spirv, commonConstants(model_.sensor, model_.packed, sizes.pass),
+  return {{model_.context(), "force_gradient",
+           model_.profile.select({k_force_gradient_spirv, k_force_gradient_lockstep_spirv}, sizes.pass.workgroup),
+           commonConstants(model_.sensor, model_.packed, sizes.pass),
            ForceGradientInterface{.TEAM = sizes.team,
                                   .PARTIALS = sizes.numPartials(ForceGradientInterface::kMostSums),
                                   .NUM_ENTRIES = model_.packed.num_entries,
