@@ -98,6 +98,7 @@
 #define BLOCK_EmptyWork \
   BLOCK(EmptyWork, uvec4, empty_work[])  // what Work starts from in every frame, and the row kSecondDispatch of a second dispatch
 #define BLOCK_PastState BLOCK(PastState, uvec4, past_state[])        // State, to be fetched as texels
+#define BLOCK_PastTaxelStates BLOCK(PastTaxelStates, float, past_taxel_states[])  // TaxelStates, to be fetched as texels
 #define BLOCK_LayerStrips BLOCK(LayerStrips, uvec4, layer_strips[])  // Layer, to be loaded four words at a time
 #define BLOCK_ForceFours BLOCK(ForceFours, vec4, force_fours[])      // ContactNormal or MaskedNormal, to be loaded four taxels at a time
 #define BLOCK_ResultFours BLOCK(ResultFours, uvec4, result_fours[])   // TileResults, to be loaded four words at a time
@@ -128,5 +129,5 @@
   BLOCK_ContactCells BLOCK_TileChanges BLOCK_TaxelJacobian BLOCK_MaskedJacobian BLOCK_WrenchJacobian             \
   BLOCK_Image BLOCK_TaxelCounts BLOCK_SpreadNormal BLOCK_SpreadShear BLOCK_Features BLOCK_ContactFeatures BLOCK_TactileJacobian    \
   BLOCK_SpreadJacobian BLOCK_TwistGradient BLOCK_GainGradient BLOCK_Problems                                                                     \
-  BLOCK_EmptyWork BLOCK_PastState BLOCK_LayerStrips BLOCK_ForceFours BLOCK_ResultFours BLOCK_ImagePairs BLOCK_FoundationRows BLOCK_CleanFeatureSource BLOCK_CleanContactFeatures BLOCK_CleanTactileJacobian
+  BLOCK_EmptyWork BLOCK_PastState BLOCK_PastTaxelStates BLOCK_LayerStrips BLOCK_ForceFours BLOCK_ResultFours BLOCK_ImagePairs BLOCK_FoundationRows BLOCK_CleanFeatureSource BLOCK_CleanContactFeatures BLOCK_CleanTactileJacobian
 // clang-format on

@@ -50,8 +50,9 @@ BUFFER(10, writeonly, SpreadNormal)
 BUFFER(11, writeonly, SpreadShear)
 BUFFER(12, writeonly, Features)
 BUFFER(13, writeonly, Problems)
-BUFFER(14, readwrite, TaxelStates)
+BUFFER(14, writeonly, TaxelStates)
 BUFFER(15, readwrite, ImageWindows)
 BUFFER(16, readonly, SpreadScale)
 TEXELS(17, ForceFours)             // ContactNormal
 BUFFER(18, writeonly, ImagePairs)  // Image
+TEXELS(19, PastTaxelStates)        // TaxelStates

@@ -45,7 +45,10 @@ LagState statesOf(uint instance, uint t, uint step) {
 
 uint stateIndex(LagState states, uint number) { return states.first + number * NUM_TAXELS; }
 
-float stateBefore(LagState states, uint number) { return states.step == 0 ? 0.0 : taxel_states[stateIndex(states, number)]; }
+// What the step before has stored. An invocation fetches a state of a taxel before it stores that state, and no other invocation stores it.
+float pastState(LagState states, uint number) { return floatOfFours(PastTaxelStates, stateIndex(states, number)); }
+
+float stateBefore(LagState states, uint number) { return states.step == 0 ? 0.0 : pastState(states, number); }
 
 // Moves a first-order state towards x, constant over the step, by the exact share of the way.
 float approach(LagState states, uint number, float x, float share) {
@@ -78,7 +81,7 @@ float delayed(LagState states, float x) {
   const uint kRing = numStates() - kMaxDelaySteps;
   uint slot = step_record.delay.x, back = states.back;
   float then = x;
-  if (back > 0) then = states.step < back ? 0.0 : taxel_states[stateIndex(states, kRing + (slot - back) % kMaxDelaySteps)];
+  if (back > 0) then = states.step < back ? 0.0 : pastState(states, kRing + (slot - back) % kMaxDelaySteps);
   taxel_states[stateIndex(states, kRing + slot)] = x;
   return then;
 }

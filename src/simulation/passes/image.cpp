@@ -64,6 +64,7 @@ void ImagePass::record(Recorder recorder, const Variant& variant) const {
   if (variant.masked) recorder.bindings.redirect<block::ContactNormal, block::MaskedNormal>();
   recorder.bindings.redirect<block::ForceFours, block::ContactNormal>();
   recorder.bindings.redirect<block::ImagePairs, block::Image>();
+  recorder.bindings.redirect<block::PastTaxelStates, block::TaxelStates>();
   recorder.dispatch(kernels_.get(variant, [&] { return makeKernel(variant); }),
                     numWorkgroups(recorder.num_instances, sizes_.itemsPerWorkgroup()));
 }
