@@ -14,7 +14,7 @@
 // Shared memory: 4 TILE_SAMPLES (9 with AREA, 17 with MANY_SLOTS, too) + 16 LANES + 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 4 REPEAT + 84 bytes; friction
 //      adds 8 LANES + 512, lockstep 16 NUM_FACES, AREA with meshes 4 kMostFacets, VARIATION 16 TILE_SAMPLES.
 // Deterministic: the tile is a minimum of integers, which sum cells; LANES partial sums are added in a fixed order, whatever the size of the workgroup.
-// Mutable globals: own_partial (common/partial_sums.glsl); any_unfinished_loop, num_iterations (driver/loop_limit.glsl); the planes of a polyhedron (depth/polyhedron.glsl).
+// Mutable globals: own_partial (common/partial_sums.glsl), own_shear (skin/friction.glsl); any_unfinished_loop, num_iterations (driver/loop_limit.glsl); the planes of a polyhedron (depth/polyhedron.glsl).
 // Twins: src/reference/depth.cpp, contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp, load.cpp.
 
 #include "driver/barrier.glsl"

@@ -71,13 +71,11 @@ Shear shearNodes(uint instance, uint num_slots, Surface surface, uint layer_star
     }
     checkLoop(k < count.x * count.y);
     setPartial(v, vec4(torque, 0));
-    partial_shear[v] = force;
+    setPartialShear(v, force);
   }
   Shear shear;
   shear.torque = sumOfPartials(LANES).xyz * nodeArea();
-  shear.force = vec2(0);
-  for (uint v = 0; v < LANES; ++v) shear.force += partial_shear[v];
-  shear.force *= nodeArea();
+  shear.force = sumOfPartialShears() * nodeArea();
   if (gl_LocalInvocationIndex == 0) writeStateWindow(frictionStart(instance), pressed);
   return shear;
 }

@@ -5,8 +5,6 @@
 // rectangle. Sources are one range of strips per row.
 // Shared memory: 16 LANES + 8 NODE_ROWS + 8 bytes. A workgroup works on one instance, and all its invocations hold the same Window.
 
-#include "common/partial_sums.glsl"
-
 const float kNoTarget = -kNoHeight;  // target of a node that cannot be touched; also the identity of the maximum
 
 struct Window {

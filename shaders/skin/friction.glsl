@@ -33,6 +33,23 @@ struct Motion {
 const uint kSlotRows = 4u;  // rows of a slot in slot_motions[]
 shared vec4 slot_motions[kManyMotions ? kSlotRows << kSlotBits : 1u];
 shared vec2 partial_shear[kShears ? LANES : 1u];
+vec2 own_shear = vec2(0);
+
+// As setPartial() and sumOfPartials(), which has the barrier, common/partial_sums.glsl.
+void setPartialShear(uint v, vec2 shear) {
+  if (kInRegisters) {
+    own_shear = shear;
+  } else {
+    partial_shear[v] = shear;
+  }
+}
+
+vec2 sumOfPartialShears() {
+  if (kInRegisters) return sumOverVector(own_shear);
+  vec2 shear = vec2(0);
+  for (uint v = 0; v < LANES; ++v) shear += partial_shear[v];
+  return shear;
+}
 
 // In the frame of the patch: R_PS D X_SP for the displacement D in S.
 Affine motionInPatch(Affine motion, Affine X_PS) {

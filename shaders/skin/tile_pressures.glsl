@@ -384,7 +384,7 @@ void pressTaxels(Tile tile, TileStep step, ActiveTaxels taxels, inout Found foun
     checkLoop(k < num_active);
     if (owns) {
       setPartial(v, wrench);
-      if (kShears) partial_shear[v] = lane_shear;
+      if (kShears) setPartialShear(v, lane_shear);
       if (OUTPUT_WRENCH_CHANGE) writeChange(tile, step.result * LANES + v, change);
     }
     v += WORKGROUP;

@@ -8,8 +8,7 @@ void writeTileResult(Tile tile, TileStep step, ActiveTaxels taxels, Box samples)
   vec3 force = -total.x * tile.X_PS.row2.xyz;  // rows of R_PS are the axes of P in S
   vec3 torque = total.y * tile.X_PS.row0.xyz + total.z * tile.X_PS.row1.xyz;
   if (kShears) {
-    vec2 shear = vec2(0);
-    for (uint v = 0; v < LANES; ++v) shear += partial_shear[v];
+    vec2 shear = sumOfPartialShears();
     force += shear.x * tile.X_PS.row0.xyz + shear.y * tile.X_PS.row1.xyz;
     torque += total.w * tile.X_PS.row2.xyz;
   }
