@@ -97,11 +97,11 @@
 // ---- host only: copied from, or bound in place of another block ----
 #define BLOCK_EmptyWork \
   BLOCK(EmptyWork, uvec4, empty_work[])  // what Work starts from in every frame, and the row kSecondDispatch of a second dispatch
-#define BLOCK_PastState BLOCK(PastState, uvec4, past_state[])        // State, to be fetched as texels
+#define BLOCK_PastState BLOCK(PastState, uvec4, past_state[])                     // State, to be fetched as texels
 #define BLOCK_PastTaxelStates BLOCK(PastTaxelStates, float, past_taxel_states[])  // TaxelStates, to be fetched as texels
-#define BLOCK_LayerStrips BLOCK(LayerStrips, uvec4, layer_strips[])  // Layer, to be loaded four words at a time
+#define BLOCK_LayerStrips BLOCK(LayerStrips, uvec4, layer_strips[])               // Layer, to be loaded four words at a time
 #define BLOCK_ForceFours BLOCK(ForceFours, vec4, force_fours[])      // ContactNormal or MaskedNormal, to be loaded four taxels at a time
-#define BLOCK_ResultFours BLOCK(ResultFours, uvec4, result_fours[])   // TileResults, to be loaded four words at a time
+#define BLOCK_ResultFours BLOCK(ResultFours, uvec4, result_fours[])  // TileResults, to be loaded four words at a time
 #define BLOCK_ImagePairs BLOCK(ImagePairs, Pair, image_pairs[])      // Image, two taxels at a time
 #define BLOCK_FoundationRows BLOCK(FoundationRows, uvec4, foundation_rows[])  // Foundation, to be loaded four words at a time
 #define BLOCK_Triggers BLOCK(Triggers, float, triggers[])                     // (t, padded to fours), N

@@ -57,11 +57,12 @@ Buffer::Buffer(Context& context, std::string name, std::size_t bytes, Domain dom
   Context::Vulkan& vk_context = context.vulkan();
   using Usage = vk::BufferUsageFlagBits;
   checked("buffer \"" + name_ + "\" of " + sizeText(bytes_), "use a smaller batch size or another device", [&] {
-    vulkan_->buffer = vk_context.device.createBuffer({{},
-                                                      wholeTexels(bytes_),
-                                                      Usage::eStorageBuffer | Usage::eUniformBuffer | Usage::eUniformTexelBuffer |
-                                                          Usage::eStorageTexelBuffer | Usage::eIndirectBuffer | Usage::eTransferSrc | Usage::eTransferDst,
-                                                      vk::SharingMode::eExclusive});
+    vulkan_->buffer =
+        vk_context.device.createBuffer({{},
+                                        wholeTexels(bytes_),
+                                        Usage::eStorageBuffer | Usage::eUniformBuffer | Usage::eUniformTexelBuffer |
+                                            Usage::eStorageTexelBuffer | Usage::eIndirectBuffer | Usage::eTransferSrc | Usage::eTransferDst,
+                                        vk::SharingMode::eExclusive});
     const vk::MemoryRequirements needs = vulkan_->buffer.getMemoryRequirements();
     const vk::PhysicalDeviceMemoryProperties memory = vk_context.physical.getMemoryProperties();
     const std::optional<std::uint32_t> type = chooseMemory(memory, needs.memoryTypeBits, domain);

@@ -51,6 +51,7 @@ TEST(KernelOnEveryDriver, ReflectsBuffersAndConstants) {
   const gpu::Reflection reflection = gpu::reflect(k_load_spirv);
   EXPECT_THAT(reflection.buffers, ElementsAre(Pair(0, "Instances"), Pair(1, "Step"), Pair(2, "TileResults"), Pair(3, "Loads")));
   EXPECT_THAT(reflection.constants, ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13));
+  EXPECT_THAT(reflection.uniform_buffers, ElementsAre(1)) << "step";
   EXPECT_TRUE(reflection.texel_buffers.empty());
   EXPECT_TRUE(reflection.others.empty());
 }
@@ -59,7 +60,7 @@ TEST(KernelOnEveryDriver, ReflectsTexelBuffersByName) {
   const gpu::Reflection any = gpu::reflect(k_find_candidates_spirv), lockstep = gpu::reflect(k_find_candidates_lockstep_spirv);
   EXPECT_EQ(lockstep.buffers, any.buffers);
   EXPECT_THAT(any.texel_buffers, IsEmpty());
-  EXPECT_THAT(lockstep.texel_buffers, ElementsAre(0, 2, 3, 4, 5)) << "poses, objects, groups, clusters, quads";
+  EXPECT_THAT(lockstep.texel_buffers, ElementsAre(0, 2, 3, 4, 5, 6)) << "poses, objects, groups, clusters, quads, patches";
   EXPECT_THAT(lockstep.others, IsEmpty());
 }
 
@@ -68,7 +69,7 @@ TEST(KernelOnEveryDriver, ReflectsStorageTexelBuffersByName) {
   EXPECT_EQ(lockstep.buffers, any.buffers);
   EXPECT_THAT(any.storage_texel_buffers, IsEmpty());
   EXPECT_THAT(lockstep.storage_texel_buffers, ElementsAre(14)) << "displacements";
-  EXPECT_THAT(lockstep.texel_buffers, ElementsAre(3, 4)) << "heights, windows";
+  EXPECT_THAT(lockstep.texel_buffers, ElementsAre(0, 3, 4)) << "instances, heights, windows";
   EXPECT_THAT(lockstep.others, IsEmpty());
 }
 

@@ -31,7 +31,9 @@ struct AddLaw {
     packed.whole_array = true;
   }
   void operator()(const DeformationMask& law) const { packed.taxel_parameters = {static_cast<float>(law.saturation_pressure)}; }
-  void operator()(const Proximity&) const { packed.taxel_passes = {{"proximity", {k_proximity_spirv, k_proximity_lockstep_spirv}, TaxelPass::Owner::kTile}}; }
+  void operator()(const Proximity&) const {
+    packed.taxel_passes = {{"proximity", {k_proximity_spirv, k_proximity_lockstep_spirv}, TaxelPass::Owner::kTile}};
+  }
   void operator()(const ElasticLayer&) const {
     packed = {.kernel = "contact_elastic_layer",
               .spirv = {k_contact_elastic_layer_spirv, k_contact_elastic_layer_lockstep_spirv},

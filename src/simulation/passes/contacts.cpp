@@ -16,7 +16,8 @@ void ContactsPass::record(Recorder& recorder, int max_contacts) const {
 
 ContactsPass::Kernel ContactsPass::makeKernel(std::uint32_t repeat) const {
   constexpr std::uint32_t kNoLanes = 1;  // no sum crosses invocations
-  return {model_.context(), "contacts", model_.profile.select({k_contacts_spirv, k_contacts_lockstep_spirv}, gpu::DriverProfile::kNoneWaits),
+  return {model_.context(), "contacts",
+          model_.profile.select({k_contacts_spirv, k_contacts_lockstep_spirv}, gpu::DriverProfile::kNoneWaits),
           commonConstants(model_.sensor, model_.packed, {image_.sizes().pass.workgroup, kNoLanes, repeat}),
           ContactsInterface{.NUM_PATCHES = model_.sensor.patches.size(),
                             .FLAT = model_.packed.flat,

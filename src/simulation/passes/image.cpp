@@ -80,7 +80,8 @@ ImagePass::Kernel ImagePass::makeKernel(const Variant& variant) const {
   const bool slides = model_.profile.prefers64BitLoads() && sizes_.team == 1 && packed.one_grid && model_.sensor.psf.size == 3;
   const bool pairs = slides && model_.sensor.patches.front().num_cols % 2 == 0 && isShort(readout, variant);
   const std::span<const std::uint32_t> spirv =
-      slides ? std::span<const std::uint32_t>(k_image_pairs_spirv) : model_.profile.select({k_image_spirv, k_image_lockstep_spirv}, gpu::DriverProfile::kNoneWaits);
+      slides ? std::span<const std::uint32_t>(k_image_pairs_spirv)
+             : model_.profile.select({k_image_spirv, k_image_lockstep_spirv}, gpu::DriverProfile::kNoneWaits);
   return {model_.context(), "image", spirv, commonConstants(model_.sensor, packed, sizes_.pass),
           ImageInterface{.SHEAR = variant.with_shear,
                          .NUM_ENTRIES = packed.num_entries,

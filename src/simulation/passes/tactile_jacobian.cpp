@@ -64,7 +64,8 @@ void TactileJacobianPasses::recordWrench(Recorder& recorder) const {
   if (model_.layer) return;
   const auto& kernel = wrench_kernel_.get({}, [&] {
     return gpu::PassKernel<WrenchJacobianInterface>(
-        model_.context(), "wrench_jacobian", model_.profile.select({k_wrench_jacobian_spirv, k_wrench_jacobian_lockstep_spirv}, gpu::DriverProfile::kNoneWaits),
+        model_.context(), "wrench_jacobian",
+        model_.profile.select({k_wrench_jacobian_spirv, k_wrench_jacobian_lockstep_spirv}, gpu::DriverProfile::kNoneWaits),
         commonConstants(model_.sensor, model_.packed, {.workgroup = kWorkgroup, .lanes = model_.packed.contact_lanes}),
         WrenchJacobianInterface{.HAS_FORCES = !std::holds_alternative<Proximity>(model_.sensor.skin.law)});
   });
@@ -73,10 +74,11 @@ void TactileJacobianPasses::recordWrench(Recorder& recorder) const {
 
 void TactileJacobianPasses::recordSpread(Recorder& recorder) const {
   const auto& kernel = spread_kernel_.get({}, [&] {
-    return gpu::PassKernel<SpreadJacobianInterface>(model_.context(), "spread_jacobian",
-                                                    model_.profile.select({k_spread_jacobian_spirv, k_spread_jacobian_lockstep_spirv}, gpu::DriverProfile::kNoneWaits),
-                                                    commonConstants(model_.sensor, model_.packed, {.workgroup = kWorkgroup, .lanes = 1}),
-                                                    SpreadJacobianInterface{.NUM_ENTRIES = model_.packed.num_entries});
+    return gpu::PassKernel<SpreadJacobianInterface>(
+        model_.context(), "spread_jacobian",
+        model_.profile.select({k_spread_jacobian_spirv, k_spread_jacobian_lockstep_spirv}, gpu::DriverProfile::kNoneWaits),
+        commonConstants(model_.sensor, model_.packed, {.workgroup = kWorkgroup, .lanes = 1}),
+        SpreadJacobianInterface{.NUM_ENTRIES = model_.packed.num_entries});
   });
   recorder.dispatch(kernel, numWorkgroups(recorder.num_instances * model_.num_taxels, kWorkgroup));
 }
@@ -108,9 +110,10 @@ TactileJacobianPasses::TaxelKernels TactileJacobianPasses::makeTaxelKernels() co
     kernels.mask.emplace(model_.context(), "mask_jacobian",
                          model_.profile.select({k_mask_jacobian_spirv, k_mask_jacobian_lockstep_spirv}, gpu::DriverProfile::kNoneWaits),
                          common, MaskJacobianInterface{.LAW_0 = model_.law.taxel_parameters[0], .MASK_SOURCES = model_.numMaskSources()});
-    kernels.rescale.emplace(model_.context(), "rescale_jacobian",
-                            model_.profile.select({k_rescale_jacobian_spirv, k_rescale_jacobian_lockstep_spirv}, gpu::DriverProfile::kNoneWaits), common,
-                            RescaleJacobianInterface{.SCALED = scaled});
+    kernels.rescale.emplace(
+        model_.context(), "rescale_jacobian",
+        model_.profile.select({k_rescale_jacobian_spirv, k_rescale_jacobian_lockstep_spirv}, gpu::DriverProfile::kNoneWaits), common,
+        RescaleJacobianInterface{.SCALED = scaled});
   }
   return kernels;
 }

@@ -14,7 +14,8 @@ void ThreeAxisPass::record(Recorder& recorder, bool random) const {
 gpu::PassKernel<ThreeAxisInterface> ThreeAxisPass::makeKernel(bool random) const {
   const ThreeAxisReadout& axes = *model_.sensor.readout.three_axis;
   const auto& [x, y, z] = axes.gain;
-  return {model_.context(), "three_axis", model_.profile.select({k_three_axis_spirv, k_three_axis_lockstep_spirv}, gpu::DriverProfile::kNoneWaits),
+  return {model_.context(), "three_axis",
+          model_.profile.select({k_three_axis_spirv, k_three_axis_lockstep_spirv}, gpu::DriverProfile::kNoneWaits),
           commonConstants(model_.sensor, model_.packed, {.workgroup = gpu::DriverProfile::kIndependentWorkgroup}),
           ThreeAxisInterface{.RANDOM = random,
                              .GAIN_XX = x[0],
