@@ -2,7 +2,12 @@
 // Out: tile_results; the state that friction and relaxation keep of the tile.
 
 void writeTileResult(Tile tile, TileStep step, ActiveTaxels taxels, Box samples) {
-  vec4 total = kGlobalSolve ? vec4(0) : sumOfPartials();  // the forces of such a law follow later
+  vec4 total = vec4(0);
+  if (kGlobalSolve) {
+    workgroupBarrier();  // the forces of such a law follow later
+  } else {
+    total = sumOfPartials();
+  }
   if (usesTile() && REPEAT > 1) clearSamples(tile, samples);
   if (RELAXATION > 0 && kUpdatesSkin) updateRestOfSkin(tile, step.skin, taxels.first, taxels.count);
   vec3 force = -total.x * tile.X_PS.row2.xyz;  // rows of R_PS are the axes of P in S
