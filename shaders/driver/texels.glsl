@@ -1,4 +1,4 @@
-// Four words of a buffer, loaded together. FOURS: an earlier dispatch has written them. COHERENT_FOURS: the same dispatch writes them, through a storage buffer,
+// Four words of a buffer, loaded together, or one of them (wordOfFours). FOURS: an earlier dispatch has written them. COHERENT_FOURS: the same dispatch writes them, through a storage buffer,
 // with workgroupBarrierWithBuffers() between stores and loads.
 //
 // With LOCKSTEP or PAIRS_OF_64_BITS, which only software drivers run, the buffer is a texel buffer: these drivers check bounds and load per word and lane for a
@@ -10,21 +10,17 @@ const bool kFetchesTexels = true;  // so that even one word is better fetched as
 #define fourOf(Name, index) texelFetch(Name, int(index))
 #define COHERENT_FOURS(number, Name) layout(rgba32ui, set = 0, binding = number) coherent readonly uniform uimageBuffer Name
 #define loadFour(Name, index) imageLoad(Name, int(index))
+#define wordOfFours(Name, index) component(fourOf(Name, (index) / 4u), (index) % 4u)
 #else
 const bool kFetchesTexels = false;
 #define FOURS(number, Name) layout(std430, set = 0, binding = number) readonly buffer Name { uvec4 fours_of_##Name[]; }
 #define fourOf(Name, index) fours_of_##Name[index]
 #define COHERENT_FOURS(number, Name) layout(std430, set = 0, binding = number) coherent readonly buffer Name { uvec4 fours_of_##Name[]; }
 #define loadFour(Name, index) fours_of_##Name[index]
+#define wordOfFours(Name, index) fours_of_##Name[(index) / 4u][(index) % 4u]
 #endif
 #define floatsOfFour(Name, index) uintBitsToFloat(fourOf(Name, index))
 
 // Component `i`. By selection, because compilers keep in memory what has an index that is not constant.
 uint component(uvec4 four, uint i) { return mix(mix(four.x, four.y, i == 1u), mix(four.z, four.w, i == 3u), i > 1u); }
-// One word of such a buffer.
-#if defined(LOCKSTEP) || defined(PAIRS_OF_64_BITS)
-#define wordOfFours(Name, index) component(fourOf(Name, (index) / 4u), (index) % 4u)
-#else
-#define wordOfFours(Name, index) fours_of_##Name[(index) / 4u][(index) % 4u]
-#endif
 #define floatOfFours(Name, index) uintBitsToFloat(wordOfFours(Name, index))

@@ -12,7 +12,7 @@ const uint kDepthState = NUM_STATES - 1u;
 const uint kFoursOfRow = (SAMPLES + 3u) / 4u;
 const bool kStoresTouched = kShears || HAS_STATE;  // states of the touched samples only
 
-// All with another component `i`, component() in driver/texels.glsl.
+// `four` with another component `i`; by selection, as component() in driver/texels.glsl.
 uvec4 withComponent(uvec4 four, uint i, uint value) { return mix(four, uvec4(value), equal(uvec4(0, 1, 2, 3), uvec4(i))); }
 
 uint stateStart(uint tile_index) { return tile_index * (kStateHeader + TILE_SAMPLES / SAMPLES * kFoursOfRow * NUM_STATES); }

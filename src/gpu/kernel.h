@@ -15,9 +15,8 @@ namespace taxelsim::gpu {
 struct KernelOptions {
   std::string name;
   std::span<const std::uint32_t> spirv;  // must outlive the kernel
-  std::vector<std::string>
-      buffers;  // of set 0 by binding: names of storage and uniform blocks and texel buffers; must be all that the shader has
-  std::vector<Constant> constants;  // must be all that the shader has
+  std::vector<std::string> buffers;      // of set 0 by binding: names of blocks and texel buffers; must be all that the shader has
+  std::vector<Constant> constants;       // must be all that the shader has
 };
 
 class Kernel {
