@@ -37,8 +37,7 @@ vec4 columnAt(uint first_taxel, ImageWindow window, ivec2 at) {
   for (int d = 0; d < 2 + int(kRowsAtOnce); ++d) {
     uvec2 source = uvec2(at + ivec2(d - 1, 0));  // -1 wraps to a large number
     if (any(greaterThanEqual(source - window.contact_first, window.contact_count))) continue;
-    uint taxel = first_taxel + source.x * NUM_COLS + source.y;
-    column[d] = kFetchesTexels ? floatsOfFour(ForceFours, taxel / 4u)[taxel & 3u] : contact_normal[taxel];
+    column[d] = floatOfFours(ForceFours, first_taxel + source.x * NUM_COLS + source.y);
   }
   return column;
 }

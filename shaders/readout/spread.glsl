@@ -49,10 +49,9 @@ Column noColumn() { return Column(vec4(0), vec4(0), vec4(0)); }
 
 // Of a taxel and, with PAIRS, of the next one.
 vec2 forcesAt(uint taxel) {
-  if (!kFetchesTexels) return vec2(contact_normal[taxel], 0);
+  if (!PAIRS) return vec2(floatOfFours(ForceFours, taxel), 0);
   vec4 four = floatsOfFour(ForceFours, taxel / 4u);
-  if (PAIRS) return (taxel & 2u) == 0 ? four.xy : four.zw;
-  return vec2(four[taxel & 3u], 0);
+  return (taxel & 2u) == 0 ? four.xy : four.zw;
 }
 
 // Loads the columns of the step that begins with the taxel `at`, as those of the next step.

@@ -4,16 +4,11 @@
 #include <bit>
 #include <cmath>
 
-#include "contact_elastic_layer.spv.h"
-#include "contact_elastic_layer_lockstep.spv.h"
-#include "contact_pasternak.spv.h"
-#include "contact_pasternak_lockstep.spv.h"
-#include "contact_winkler.spv.h"
-#include "contact_winkler_lockstep.spv.h"
-#include "mass_spring_damper.spv.h"
-#include "mass_spring_damper_lockstep.spv.h"
-#include "proximity.spv.h"
-#include "proximity_lockstep.spv.h"
+#include "contact_elastic_layer_variants.h"
+#include "contact_pasternak_variants.h"
+#include "contact_winkler_variants.h"
+#include "mass_spring_damper_variants.h"
+#include "proximity_variants.h"
 #include "sensor/deformation_mask.h"
 #include "shared/sensor.h"
 
@@ -27,20 +22,16 @@ struct AddLaw {
 
   void operator()(const Winkler&) const {}
   void operator()(const MassSpringDamper&) const {
-    packed.taxel_passes = {{"mass_spring_damper", {k_mass_spring_damper_spirv, k_mass_spring_damper_lockstep_spirv}}};
+    packed.taxel_passes = {{"mass_spring_damper", k_mass_spring_damper_variants}};
     packed.whole_array = true;
   }
   void operator()(const DeformationMask& law) const { packed.taxel_parameters = {static_cast<float>(law.saturation_pressure)}; }
-  void operator()(const Proximity&) const {
-    packed.taxel_passes = {{"proximity", {k_proximity_spirv, k_proximity_lockstep_spirv}, TaxelPass::Owner::kTile}};
-  }
+  void operator()(const Proximity&) const { packed.taxel_passes = {{"proximity", k_proximity_variants, TaxelPass::Owner::kTile}}; }
   void operator()(const ElasticLayer&) const {
-    packed = {.kernel = "contact_elastic_layer",
-              .spirv = {k_contact_elastic_layer_spirv, k_contact_elastic_layer_lockstep_spirv},
-              .reach = reach};
+    packed = {.kernel = "contact_elastic_layer", .spirv = k_contact_elastic_layer_variants, .reach = reach};
   }
   void operator()(const Pasternak&) const {
-    packed = {.kernel = "contact_pasternak", .spirv = {k_contact_pasternak_spirv, k_contact_pasternak_lockstep_spirv}, .reach = reach};
+    packed = {.kernel = "contact_pasternak", .spirv = k_contact_pasternak_variants, .reach = reach};
   }
   void operator()(const LuGre& law) const {
     packed.has_bristles = true;
@@ -55,7 +46,7 @@ struct AddLaw {
 PackedLaw packLaw(const Skin& skin, float reach) {
   const Winkler foundation = foundationOf(skin);
   PackedLaw packed{.kernel = "contact_winkler",
-                   .spirv = {k_contact_winkler_spirv, k_contact_winkler_lockstep_spirv},
+                   .spirv = k_contact_winkler_variants,
                    .parameters = {static_cast<float>(foundation.normal_contact_stiffness), static_cast<float>(foundation.normal_exponent),
                                   static_cast<float>(foundation.normal_damping)},
                    .has_state = foundation.normal_damping > 0};

@@ -1,9 +1,7 @@
 #include "simulation/passes/candidates.h"
 
-#include "find_candidates.spv.h"
-#include "find_candidates_lockstep.spv.h"
-#include "keep_candidates.spv.h"
-#include "keep_candidates_lockstep.spv.h"
+#include "find_candidates_variants.h"
+#include "keep_candidates_variants.h"
 #include "shared/candidates.h"
 
 namespace taxelsim {
@@ -24,8 +22,7 @@ CandidatePasses::Kernels CandidatePasses::makeKernels(const Variant& variant) co
   const auto common = [&](std::uint32_t workgroup) {
     return commonConstants(model_.contact_sensor, model_.contact_packed, {workgroup, contact.lanes, contact.repeat});
   };
-  return {.keep = {model_.context(), "keep_candidates",
-                   model_.profile.select({k_keep_candidates_spirv, k_keep_candidates_lockstep_spirv}, gpu::DriverProfile::kNoneWaits),
+  return {.keep = {model_.context(), "keep_candidates", model_.profile.select(k_keep_candidates_variants, gpu::DriverProfile::kNoneWaits),
                    common(gpu::DriverProfile::kIndependentWorkgroup),
                    KeepCandidatesInterface{.FLAT = model_.contact_packed.flat,
                                            .OUTPUT_JACOBIAN = variant.with_jacobian,
@@ -33,8 +30,7 @@ CandidatePasses::Kernels CandidatePasses::makeKernels(const Variant& variant) co
                                            .LISTED_PER_WORKGROUP = variant.listed_per_workgroup,
                                            .AREA = model_.area(),
                                            .FOUND_PER_WORKGROUP = contact.repeat}},
-          .find = {model_.context(), "find_candidates",
-                   model_.profile.select({k_find_candidates_spirv, k_find_candidates_lockstep_spirv}, contact.workgroup),
+          .find = {model_.context(), "find_candidates", model_.profile.select(k_find_candidates_variants, contact.workgroup),
                    common(contact.workgroup),
                    FindCandidatesInterface{.FLAT = model_.contact_packed.flat,
                                            .OUTPUT_JACOBIAN = variant.with_jacobian,

@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <bit>
 
-#include "contact_features.spv.h"
-#include "contact_features_lockstep.spv.h"
-#include "contact_regions.spv.h"
-#include "contact_regions_lockstep.spv.h"
+#include "contact_features_variants.h"
+#include "contact_regions_variants.h"
 #include "sensor/curve.h"
 #include "shared/features.h"
 
@@ -62,8 +60,7 @@ ContactFeaturePasses::Kernels ContactFeaturePasses::makeKernels(int max_regions)
 gpu::PassKernel<ContactRegionsInterface> ContactFeaturePasses::makeRegions(int max_regions, const TeamSizes& sizes) const {
   const Readout& readout = model_.sensor.readout;
   const PackedContactFeatures& packed = model_.packed_contact;
-  return {model_.context(), "contact_regions",
-          model_.profile.select({k_contact_regions_spirv, k_contact_regions_lockstep_spirv}, sizes.pass.workgroup),
+  return {model_.context(), "contact_regions", model_.profile.select(k_contact_regions_variants, sizes.pass.workgroup),
           commonConstants(model_.sensor, model_.packed, sizes.pass),
           ContactRegionsInterface{.TEAM = sizes.team,
                                   .REGIONS = max_regions,
@@ -83,8 +80,7 @@ gpu::PassKernel<ContactRegionsInterface> ContactFeaturePasses::makeRegions(int m
 gpu::PassKernel<ContactFeaturesInterface> ContactFeaturePasses::makeFeatures(int max_regions, const TeamSizes& sizes) const {
   const Readout& readout = model_.sensor.readout;
   const PackedContactFeatures& packed = model_.packed_contact;
-  return {model_.context(), "contact_features",
-          model_.profile.select({k_contact_features_spirv, k_contact_features_lockstep_spirv}, sizes.pass.workgroup),
+  return {model_.context(), "contact_features", model_.profile.select(k_contact_features_variants, sizes.pass.workgroup),
           commonConstants(model_.sensor, model_.packed, sizes.pass),
           ContactFeaturesInterface{.TEAM = sizes.team,
                                    .REGIONS = max_regions,

@@ -1,7 +1,6 @@
 #include "simulation/passes/contacts.h"
 
-#include "contacts.spv.h"
-#include "contacts_lockstep.spv.h"
+#include "contacts_variants.h"
 
 namespace taxelsim {
 
@@ -16,8 +15,7 @@ void ContactsPass::record(Recorder& recorder, int max_contacts) const {
 
 ContactsPass::Kernel ContactsPass::makeKernel(std::uint32_t repeat) const {
   constexpr std::uint32_t kNoLanes = 1;  // no sum crosses invocations
-  return {model_.context(), "contacts",
-          model_.profile.select({k_contacts_spirv, k_contacts_lockstep_spirv}, gpu::DriverProfile::kNoneWaits),
+  return {model_.context(), "contacts", model_.profile.select(k_contacts_variants, gpu::DriverProfile::kNoneWaits),
           commonConstants(model_.sensor, model_.packed, {image_.sizes().pass.workgroup, kNoLanes, repeat}),
           ContactsInterface{.NUM_PATCHES = model_.sensor.patches.size(),
                             .FLAT = model_.packed.flat,

@@ -1,7 +1,6 @@
 #include "simulation/passes/deformation_mask.h"
 
-#include "deformation_mask.spv.h"
-#include "deformation_mask_lockstep.spv.h"
+#include "deformation_mask_variants.h"
 
 namespace taxelsim {
 
@@ -20,8 +19,7 @@ void DeformationMaskPass::record(Recorder recorder, bool with_response) const {
 }
 
 DeformationMaskPass::Kernel DeformationMaskPass::makeKernel(bool with_response) const {
-  const gpu::ShaderVariants spirv{k_deformation_mask_spirv, k_deformation_mask_lockstep_spirv};
-  return {model_.context(), "deformation_mask", model_.profile.select(spirv, gpu::DriverProfile::kNoneWaits),
+  return {model_.context(), "deformation_mask", model_.profile.select(k_deformation_mask_variants, gpu::DriverProfile::kNoneWaits),
           commonConstants(model_.sensor, model_.packed, sizes_.pass),
           DeformationMaskInterface{.SCALED = model_.packed.scalesSpread(),
                                    .LAW_0 = model_.law.taxel_parameters[0],

@@ -1,9 +1,7 @@
 #include "simulation/passes/elastic_layer.h"
 
-#include "elastic_layer.spv.h"
-#include "elastic_layer_lockstep.spv.h"
-#include "elastic_layer_pairs.spv.h"
-#include "elastic_layer_pairs_lockstep.spv.h"
+#include "elastic_layer_pairs_variants.h"
+#include "elastic_layer_variants.h"
 #include "shared/elastic_layer.h"
 #include "simulation/passes/layer_memory.h"
 
@@ -34,9 +32,7 @@ void ElasticLayerPass::record(Recorder recorder, const Variant& variant) const {
 
 ElasticLayerPass::Kernel ElasticLayerPass::makeKernel(const Variant& variant) const {
   const gpu::DriverProfile& profile = model_.profile;
-  const gpu::ShaderVariants shaders = profile.prefers64BitLoads()
-                                          ? gpu::ShaderVariants{k_elastic_layer_pairs_spirv, k_elastic_layer_pairs_lockstep_spirv}
-                                          : gpu::ShaderVariants{k_elastic_layer_spirv, k_elastic_layer_lockstep_spirv};
+  const gpu::ShaderVariants shaders = profile.prefers64BitLoads() ? k_elastic_layer_pairs_variants : k_elastic_layer_variants;
   const auto& law = std::get<ElasticLayer>(model_.sensor.skin.law);
   const Skin& skin = model_.sensor.skin;
   const LayerNodes& nodes = model_.layer->nodes;

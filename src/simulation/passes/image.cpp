@@ -4,9 +4,8 @@
 #include <span>
 #include <string>
 
-#include "image.spv.h"
-#include "image_lockstep.spv.h"
 #include "image_pairs.spv.h"
+#include "image_variants.h"
 #include "sensor/curve.h"
 #include "taxelsim/error.h"
 
@@ -79,9 +78,8 @@ ImagePass::Kernel ImagePass::makeKernel(const Variant& variant) const {
       std::any_of(packed.taxels.begin(), packed.taxels.end(), [](const layout::TaxelRecord& taxel) { return taxel.readout.y < 0; });
   const bool slides = model_.profile.prefers64BitLoads() && sizes_.team == 1 && packed.one_grid && model_.sensor.psf.size == 3;
   const bool pairs = slides && model_.sensor.patches.front().num_cols % 2 == 0 && isShort(readout, variant);
-  const std::span<const std::uint32_t> spirv =
-      slides ? std::span<const std::uint32_t>(k_image_pairs_spirv)
-             : model_.profile.select({k_image_spirv, k_image_lockstep_spirv}, gpu::DriverProfile::kNoneWaits);
+  const std::span<const std::uint32_t> spirv = slides ? std::span<const std::uint32_t>(k_image_pairs_spirv)
+                                                      : model_.profile.select(k_image_variants, gpu::DriverProfile::kNoneWaits);
   return {model_.context(), "image", spirv, commonConstants(model_.sensor, packed, sizes_.pass),
           ImageInterface{.SHEAR = variant.with_shear,
                          .NUM_ENTRIES = packed.num_entries,

@@ -2,10 +2,8 @@
 
 #include <cstdint>
 
-#include "linked_foundation.spv.h"
-#include "linked_foundation_lockstep.spv.h"
-#include "linked_foundation_pairs.spv.h"
-#include "linked_foundation_pairs_lockstep.spv.h"
+#include "linked_foundation_pairs_variants.h"
+#include "linked_foundation_variants.h"
 #include "sensor/pasternak.h"
 
 namespace taxelsim {
@@ -34,9 +32,8 @@ void LinkedFoundationPass::record(Recorder& recorder, const Variant& variant) co
 
 LinkedFoundationPass::Kernel LinkedFoundationPass::makeKernel(const Variant& variant) const {
   const auto& law = std::get<Pasternak>(model_.sensor.skin.law);
-  const gpu::ShaderVariants shaders = model_.profile.prefers64BitLoads()
-                                          ? gpu::ShaderVariants{k_linked_foundation_pairs_spirv, k_linked_foundation_pairs_lockstep_spirv}
-                                          : gpu::ShaderVariants{k_linked_foundation_spirv, k_linked_foundation_lockstep_spirv};
+  const gpu::ShaderVariants shaders =
+      model_.profile.prefers64BitLoads() ? k_linked_foundation_pairs_variants : k_linked_foundation_variants;
   return {model_.context(), "linked_foundation", model_.profile.select(shaders, sizes_.workgroup),
           commonConstants(model_.sensor, model_.packed, sizes_),
           LinkedFoundationInterface{.NODES_PER_SAMPLE = pasternakRefinement(model_.sensor),

@@ -4,8 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "load.spv.h"
-#include "load_lockstep.spv.h"
+#include "load_variants.h"
 
 namespace taxelsim {
 namespace {
@@ -22,7 +21,7 @@ void LoadSearchPass::record(Recorder& recorder) const {
 }
 
 gpu::PassKernel<LoadInterface> LoadSearchPass::makeKernel() const {
-  return {model_.context(), "load", model_.profile.select({k_load_spirv, k_load_lockstep_spirv}, gpu::DriverProfile::kNoneWaits),
+  return {model_.context(), "load", model_.profile.select(k_load_variants, gpu::DriverProfile::kNoneWaits),
           commonConstants(model_.sensor, model_.packed, {.workgroup = workgroup_}),
           LoadInterface{.EVALUATIONS = kMaxEvaluations, .NEWTON = model_.area(), .FIRST_STEP = firstStep(model_)}};
 }

@@ -5,10 +5,8 @@
 #include <cstdint>
 #include <thread>
 
-#include "pasternak.spv.h"
-#include "pasternak_lockstep.spv.h"
-#include "pasternak_pairs.spv.h"
-#include "pasternak_pairs_lockstep.spv.h"
+#include "pasternak_pairs_variants.h"
+#include "pasternak_variants.h"
 #include "sensor/pasternak.h"
 
 namespace taxelsim {
@@ -57,9 +55,7 @@ PasternakPass::Kernel PasternakPass::makeKernel(const Variant& variant) const {
   const LayerNodes nodes = pasternakNodes(model_.sensor);
   const auto [along_x, along_y] = nodes.spacing;
   const double decay = decayLength(law);
-  const gpu::ShaderVariants shaders = model_.profile.prefers64BitLoads()
-                                          ? gpu::ShaderVariants{k_pasternak_pairs_spirv, k_pasternak_pairs_lockstep_spirv}
-                                          : gpu::ShaderVariants{k_pasternak_spirv, k_pasternak_lockstep_spirv};
+  const gpu::ShaderVariants shaders = model_.profile.prefers64BitLoads() ? k_pasternak_pairs_variants : k_pasternak_variants;
   const PassSizes& sizes = variant.loads ? load_sizes_ : sizes_;
   return {model_.context(), "pasternak", model_.profile.select(shaders, sizes.workgroup),
           commonConstants(model_.sensor, model_.packed, sizes),

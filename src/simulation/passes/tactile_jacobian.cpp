@@ -2,21 +2,14 @@
 
 #include <algorithm>
 
-#include "force_gradient.spv.h"
-#include "force_gradient_lockstep.spv.h"
-#include "mask_jacobian.spv.h"
-#include "mask_jacobian_lockstep.spv.h"
-#include "rescale_jacobian.spv.h"
-#include "rescale_jacobian_lockstep.spv.h"
+#include "force_gradient_variants.h"
+#include "mask_jacobian_variants.h"
+#include "rescale_jacobian_variants.h"
 #include "sensor/curve.h"
-#include "spread_jacobian.spv.h"
-#include "spread_jacobian_lockstep.spv.h"
-#include "tactile_jacobian.spv.h"
-#include "tactile_jacobian_lockstep.spv.h"
-#include "taxel_jacobian.spv.h"
-#include "taxel_jacobian_lockstep.spv.h"
-#include "wrench_jacobian.spv.h"
-#include "wrench_jacobian_lockstep.spv.h"
+#include "spread_jacobian_variants.h"
+#include "tactile_jacobian_variants.h"
+#include "taxel_jacobian_variants.h"
+#include "wrench_jacobian_variants.h"
 
 namespace taxelsim {
 namespace {
@@ -64,8 +57,7 @@ void TactileJacobianPasses::recordWrench(Recorder& recorder) const {
   if (model_.layer) return;
   const auto& kernel = wrench_kernel_.get({}, [&] {
     return gpu::PassKernel<WrenchJacobianInterface>(
-        model_.context(), "wrench_jacobian",
-        model_.profile.select({k_wrench_jacobian_spirv, k_wrench_jacobian_lockstep_spirv}, gpu::DriverProfile::kNoneWaits),
+        model_.context(), "wrench_jacobian", model_.profile.select(k_wrench_jacobian_variants, gpu::DriverProfile::kNoneWaits),
         commonConstants(model_.sensor, model_.packed, {.workgroup = kWorkgroup, .lanes = model_.packed.contact_lanes}),
         WrenchJacobianInterface{.HAS_FORCES = !std::holds_alternative<Proximity>(model_.sensor.skin.law)});
   });
@@ -74,11 +66,10 @@ void TactileJacobianPasses::recordWrench(Recorder& recorder) const {
 
 void TactileJacobianPasses::recordSpread(Recorder& recorder) const {
   const auto& kernel = spread_kernel_.get({}, [&] {
-    return gpu::PassKernel<SpreadJacobianInterface>(
-        model_.context(), "spread_jacobian",
-        model_.profile.select({k_spread_jacobian_spirv, k_spread_jacobian_lockstep_spirv}, gpu::DriverProfile::kNoneWaits),
-        commonConstants(model_.sensor, model_.packed, {.workgroup = kWorkgroup, .lanes = 1}),
-        SpreadJacobianInterface{.NUM_ENTRIES = model_.packed.num_entries});
+    return gpu::PassKernel<SpreadJacobianInterface>(model_.context(), "spread_jacobian",
+                                                    model_.profile.select(k_spread_jacobian_variants, gpu::DriverProfile::kNoneWaits),
+                                                    commonConstants(model_.sensor, model_.packed, {.workgroup = kWorkgroup, .lanes = 1}),
+                                                    SpreadJacobianInterface{.NUM_ENTRIES = model_.packed.num_entries});
   });
   recorder.dispatch(kernel, numWorkgroups(recorder.num_instances * model_.num_taxels, kWorkgroup));
 }
@@ -103,17 +94,15 @@ TactileJacobianPasses::TaxelKernels TactileJacobianPasses::makeTaxelKernels() co
   TaxelKernels kernels;
   if (!model_.layer) {
     kernels.taxels.emplace(model_.context(), "taxel_jacobian",
-                           model_.profile.select({k_taxel_jacobian_spirv, k_taxel_jacobian_lockstep_spirv}, gpu::DriverProfile::kNoneWaits),
-                           common, TaxelJacobianInterface{.SCALED = scaled && !model_.hasMask()});
+                           model_.profile.select(k_taxel_jacobian_variants, gpu::DriverProfile::kNoneWaits), common,
+                           TaxelJacobianInterface{.SCALED = scaled && !model_.hasMask()});
   }
   if (model_.hasMask()) {
-    kernels.mask.emplace(model_.context(), "mask_jacobian",
-                         model_.profile.select({k_mask_jacobian_spirv, k_mask_jacobian_lockstep_spirv}, gpu::DriverProfile::kNoneWaits),
+    kernels.mask.emplace(model_.context(), "mask_jacobian", model_.profile.select(k_mask_jacobian_variants, gpu::DriverProfile::kNoneWaits),
                          common, MaskJacobianInterface{.LAW_0 = model_.law.taxel_parameters[0], .MASK_SOURCES = model_.numMaskSources()});
-    kernels.rescale.emplace(
-        model_.context(), "rescale_jacobian",
-        model_.profile.select({k_rescale_jacobian_spirv, k_rescale_jacobian_lockstep_spirv}, gpu::DriverProfile::kNoneWaits), common,
-        RescaleJacobianInterface{.SCALED = scaled});
+    kernels.rescale.emplace(model_.context(), "rescale_jacobian",
+                            model_.profile.select(k_rescale_jacobian_variants, gpu::DriverProfile::kNoneWaits), common,
+                            RescaleJacobianInterface{.SCALED = scaled});
   }
   return kernels;
 }
@@ -122,8 +111,7 @@ TactileJacobianPasses::FeatureKernel TactileJacobianPasses::makeFeatureKernel(co
   const Readout& readout = model_.sensor.readout;
   const std::uint32_t lanes = model_.packed_contact.lanes;
   const TeamSizes sizes = teamSizes(wanted_workgroup_, model_.profile, partIterations(model_), lanes, lanes);
-  return {{model_.context(), "tactile_jacobian",
-           model_.profile.select({k_tactile_jacobian_spirv, k_tactile_jacobian_lockstep_spirv}, sizes.pass.workgroup),
+  return {{model_.context(), "tactile_jacobian", model_.profile.select(k_tactile_jacobian_variants, sizes.pass.workgroup),
            commonConstants(model_.sensor, model_.packed, sizes.pass),
            TactileJacobianInterface{.CLEAN = variant.clean,
                                     .TEAM = sizes.team,
@@ -142,8 +130,7 @@ TactileJacobianPasses::FeatureKernel TactileJacobianPasses::makeFeatureKernel(co
 TactileJacobianPasses::GradientKernel TactileJacobianPasses::makeGradientKernel() const {
   const std::uint32_t lanes = model_.packed_contact.lanes;
   const TeamSizes sizes = teamSizes(wanted_workgroup_, model_.profile, gradientIterations(model_), lanes, lanes);
-  return {{model_.context(), "force_gradient",
-           model_.profile.select({k_force_gradient_spirv, k_force_gradient_lockstep_spirv}, sizes.pass.workgroup),
+  return {{model_.context(), "force_gradient", model_.profile.select(k_force_gradient_variants, sizes.pass.workgroup),
            commonConstants(model_.sensor, model_.packed, sizes.pass),
            ForceGradientInterface{.TEAM = sizes.team,
                                   .PARTIALS = sizes.numPartials(ForceGradientInterface::kMostSums),

@@ -1,8 +1,7 @@
 #include "simulation/passes/three_axis.h"
 
 #include "simulation/passes/sizes.h"
-#include "three_axis.spv.h"
-#include "three_axis_lockstep.spv.h"
+#include "three_axis_variants.h"
 
 namespace taxelsim {
 
@@ -14,8 +13,7 @@ void ThreeAxisPass::record(Recorder& recorder, bool random) const {
 gpu::PassKernel<ThreeAxisInterface> ThreeAxisPass::makeKernel(bool random) const {
   const ThreeAxisReadout& axes = *model_.sensor.readout.three_axis;
   const auto& [x, y, z] = axes.gain;
-  return {model_.context(), "three_axis",
-          model_.profile.select({k_three_axis_spirv, k_three_axis_lockstep_spirv}, gpu::DriverProfile::kNoneWaits),
+  return {model_.context(), "three_axis", model_.profile.select(k_three_axis_variants, gpu::DriverProfile::kNoneWaits),
           commonConstants(model_.sensor, model_.packed, {.workgroup = gpu::DriverProfile::kIndependentWorkgroup}),
           ThreeAxisInterface{.RANDOM = random,
                              .GAIN_XX = x[0],
