@@ -7,11 +7,7 @@
 const uint kEmpty = 0x7F7FFFFFu;  // the largest finite float, as bits: no surface over the sample
 shared uint tile_heights[TILE_SAMPLES];
 shared uint cell_shares[AREA ? TILE_SAMPLES : 1u];  // with AREA, the covered share of a cell as the bits of a float, negative at the skin's full thickness; or its sum
-shared uint cell_variations[VARIATION ? TILE_SAMPLES : 1u];        // variationOf(), depth/area/cell_depths.glsl; the following are its sums
-shared uint cell_volumes[AREA && MANY_SLOTS ? TILE_SAMPLES : 1u];
-shared uint cell_covered[AREA && MANY_SLOTS ? TILE_SAMPLES : 1u];
-shared uint cell_squares[VARIATION ? TILE_SAMPLES : 1u];
-shared uint cell_moments[VARIATION ? 2u * TILE_SAMPLES : 1u];
+shared uint cell_variations[VARIATION ? TILE_SAMPLES : 1u];        // variationOf(), depth/area/cell_depths.glsl
 const uint kWhole = 0x3F800000u;  // the bits of 1.0
 // Whether cells keep their shares for stage 2. If not, it needs to know only which cells are at the full thickness, which Found counts.
 bool keepsShares() { return AREA && (MANY_SLOTS || VARIATION || OUTPUT_JACOBIAN || SEARCH == kSearchOverTiles); }
@@ -46,12 +42,16 @@ void lowerHeight(Tile tile, uint address, float z, uint slot) {
   atomicMin(tile_heights[address], withSlot(intBitsToFloat(height), slot));
 }
 
+void clearSums(uint address);  // of a cell, depth/area/cell_sums.glsl
+
 void clearHeights() {
   for (uint address = gl_LocalInvocationIndex; address < TILE_SAMPLES; address += WORKGROUP) {
     tile_heights[address] = kEmpty;
-    if (AREA) cell_shares[address] = kWhole;
-    if (AREA && MANY_SLOTS) cell_volumes[address] = cell_covered[address] = 0;
-    if (VARIATION) cell_variations[address] = cell_squares[address] = cell_moments[2u * address] = cell_moments[2u * address + 1u] = 0;
+    if (AREA) {
+      cell_shares[address] = kWhole;
+      clearSums(address);
+    }
+    if (VARIATION) cell_variations[address] = 0;
   }
 }
 

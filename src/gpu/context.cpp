@@ -180,11 +180,15 @@ void Context::openDevice() {
   const float priority = 1;
   const vk::DeviceQueueCreateInfo queue({}, vulkan.queue_family, 1, &priority);
   vk::PhysicalDeviceFeatures features;
-  const vk::PhysicalDeviceFeatures available = vulkan.physical.getFeatures();
-  features.shaderInt64 = available.shaderInt64;
-  features.shaderFloat64 = available.shaderFloat64;
-  wide_numbers_ = {.integers = features.shaderInt64 == VK_TRUE, .floats = features.shaderFloat64 == VK_TRUE};
-  vulkan.device = vk::raii::Device(vulkan.physical, vk::DeviceCreateInfo({}, queue, {}, {}, &features));
+  vk::PhysicalDeviceVulkan12Features features12;
+  const auto available = vulkan.physical.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features>();
+  features.shaderInt64 = available.get<vk::PhysicalDeviceFeatures2>().features.shaderInt64;
+  features.shaderFloat64 = available.get<vk::PhysicalDeviceFeatures2>().features.shaderFloat64;
+  features12.shaderSharedInt64Atomics = available.get<vk::PhysicalDeviceVulkan12Features>().shaderSharedInt64Atomics;
+  wide_numbers_ = {.integers = features.shaderInt64 == VK_TRUE,
+                   .floats = features.shaderFloat64 == VK_TRUE,
+                   .shared_atomics = features12.shaderSharedInt64Atomics == VK_TRUE};
+  vulkan.device = vk::raii::Device(vulkan.physical, vk::DeviceCreateInfo({}, queue, {}, {}, &features, &features12));
   vulkan.queue = vulkan.device.getQueue(vulkan.queue_family, 0);
   const std::filesystem::path file = keeps_kernels_ ? cacheFile(info_) : std::filesystem::path();
   const std::string bytes = file.empty() ? std::string() : readCache(file);

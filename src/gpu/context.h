@@ -12,6 +12,7 @@ namespace taxelsim::gpu {
 struct WideNumbers {
   bool integers = false;
   bool floats = false;
+  bool shared_atomics = false;  // atomic operations on integers of 64 bits in shared memory
 };
 
 class Context {

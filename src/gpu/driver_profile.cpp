@@ -88,7 +88,8 @@ std::uint32_t DriverProfile::partialSumsFor(std::uint64_t iterations) const {
 }
 
 std::span<const std::uint32_t> DriverProfile::select(const ShaderVariants& variants, std::uint32_t workgroup) const {
-  return paths_.lockstep && workgroup <= vector_size_ ? variants.lockstep : variants.any;
+  return paths_.lockstep && wide_numbers_.integers && wide_numbers_.shared_atomics && workgroup <= vector_size_ ? variants.lockstep
+                                                                                                                : variants.any;
 }
 
 }  // namespace taxelsim::gpu

@@ -11,7 +11,7 @@ using gpu::FastPaths;
 using gpu::WideNumbers;
 
 DriverProfile profileOf(DeviceType type, const char* driver, const FastPaths& paths = {},
-                        const WideNumbers& wide_numbers = {.integers = true, .floats = true}) {
+                        const WideNumbers& wide_numbers = {.integers = true, .floats = true, .shared_atomics = true}) {
   DeviceInfo info;
   info.type = type;
   info.driver = driver;

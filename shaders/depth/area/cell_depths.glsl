@@ -1,7 +1,6 @@
 // Area sampling: the depth of a sample is the mean over the sample's cell of clamp(-z, 0, THICKNESS), where z is the height of the lowest surface of an
-// object. Sums over the cells of a tile, for one object at a time; then the object that is deepest on average has the cell. Twin: src/reference/area_depth.cpp.
-//
-// Sums are integers, so that the order of facets does not matter. Where an instance has one slot, they begin at the words of an empty tile.
+// object. Sums over the cells of a tile (depth/area/cell_sums.glsl), for one object at a time; then the object that is deepest on average has the cell.
+// Twin: src/reference/area_depth.cpp.
 
 const float kVolumeUnits = 134217728.0;   // of the cell's area times Tile::deepest; 2^27 leaves room for sixteen surfaces above each other
 const float kLeastDepth = 1e-9;           // m
@@ -38,33 +37,13 @@ void divideSums(inout CellSums sums, float by) {
 // Adds integrals to the sums of a cell. `alone`: no two invocations add to one cell at a time.
 void addToSums(Tile tile, uint address, CellSums sums, bool subtract, bool alone) {
   float units = kVolumeUnits / tile.deepest;
-  int amount = int(round(sums.volume * units)), part = int(round(sums.covered * kCoveredUnits));
-  uint more = uint(subtract ? -amount : amount), more_covered = uint(subtract ? -part : part);
+  ivec2 more = ivec2(round(vec2(sums.volume * units, sums.covered * kCoveredUnits)));
   if (VARIATION) {
     float side = subtract ? -units : units;
     atomicAdd(cell_squares[address], uint(int(round(sums.square * side / tile.deepest))));
-    atomicAdd(cell_moments[2u * address], uint(int(round(sums.moment.x * side))));
-    atomicAdd(cell_moments[2u * address + 1u], uint(int(round(sums.moment.y * side))));
+    addMoment(address, ivec2(round(sums.moment * side)));
   }
-#ifdef LOCKSTEP
-  if (alone && MANY_SLOTS) {
-    cell_volumes[address] += more;
-    cell_covered[address] += more_covered;
-    return;
-  }
-  if (alone) {
-    tile_heights[address] += more;
-    cell_shares[address] += more_covered;
-    return;
-  }
-#endif
-  if (MANY_SLOTS) {
-    atomicAdd(cell_volumes[address], more);
-    atomicAdd(cell_covered[address], more_covered);
-  } else {
-    atomicAdd(tile_heights[address], more);
-    atomicAdd(cell_shares[address], more_covered);
-  }
+  addVolume(address, subtract ? -more : more, alone);
 }
 
 // How the depth varies over the covered part of a cell, on which its mean is `mean`: a vector, as two half floats. Its direction is the one in which the
@@ -144,20 +123,14 @@ void giveCell(Tile tile, uint address, uint slot, CellSums sums, inout Found fou
 
 // The integrals of a cell; its sums begin anew.
 CellSums takeSums(Tile tile, uint address) {
-  int volume = int(MANY_SLOTS ? cell_volumes[address] : tile_heights[address] - kEmpty);
-  int covered = int(MANY_SLOTS ? cell_covered[address] : cell_shares[address] - kWhole);
   float unit = tile.deepest / kVolumeUnits;
-  CellSums sums = CellSums(float(volume) * unit, float(covered) * (1.0 / kCoveredUnits), 0.0, vec2(0));
-  if (MANY_SLOTS) {
-    cell_volumes[address] = cell_covered[address] = 0;
-  } else if (!keepsShares()) {
-    cell_shares[address] = kWhole;
-  }
+  ivec2 volume = volumeOf(address);
+  CellSums sums = CellSums(float(volume.x) * unit, float(volume.y) * (1.0 / kCoveredUnits), 0.0, vec2(0));
   if (VARIATION) {
     sums.square = float(int(cell_squares[address])) * unit * tile.deepest;
-    sums.moment = vec2(int(cell_moments[2u * address]), int(cell_moments[2u * address + 1u])) * unit;
-    cell_squares[address] = cell_moments[2u * address] = cell_moments[2u * address + 1u] = 0;
+    sums.moment = vec2(momentOf(address)) * unit;
   }
+  clearSums(address);
   return sums;
 }
 

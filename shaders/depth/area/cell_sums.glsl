@@ -1,0 +1,77 @@
+// Area sampling: sums over the cells of a tile, for one object at a time. Sums are integers, so that the order of facets does not matter.
+//
+// A software driver visits the lanes of a vector one after another for each atomic operation and each access to shared memory. With LOCKSTEP, which only
+// software drivers run, two sums are therefore one word of 64 bits: the second sum, plus 2^32 times the first. Otherwise, where an instance has one slot, the
+// sums of volume and share begin at the words of an empty tile, which a GPU's core has more room for.
+// Shared memory: 8 TILE_SAMPLES with LOCKSTEP or MANY_SLOTS, else 0; 12 TILE_SAMPLES with VARIATION.
+
+shared uint cell_squares[VARIATION ? TILE_SAMPLES : 1u];
+
+#ifdef LOCKSTEP
+#extension GL_EXT_shader_atomic_int64 : require
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+shared int64_t cell_volumes[AREA ? TILE_SAMPLES : 1u];       // and what is covered
+shared int64_t cell_moments[VARIATION ? TILE_SAMPLES : 1u];  // along x, and along y
+
+int64_t packedSums(ivec2 sums) { return packInt2x32(ivec2(sums.y, sums.x + (sums.y >> 31))); }
+ivec2 unpackedSums(int64_t word) {
+  ivec2 words = unpackInt2x32(word);
+  return ivec2(words.y - (words.x >> 31), words.x);
+}
+
+// Volume and what is covered. `alone`: no two invocations add to one cell at a time.
+void addVolume(uint address, ivec2 more, bool alone) {
+  if (alone) {
+    cell_volumes[address] += packedSums(more);
+  } else {
+    atomicAdd(cell_volumes[address], packedSums(more));
+  }
+}
+
+ivec2 volumeOf(uint address) { return unpackedSums(cell_volumes[address]); }
+void clearVolume(uint address) { cell_volumes[address] = int64_t(0); }
+
+void addMoment(uint address, ivec2 more) { atomicAdd(cell_moments[address], packedSums(more)); }
+ivec2 momentOf(uint address) { return unpackedSums(cell_moments[address]); }
+void clearMoment(uint address) { cell_moments[address] = int64_t(0); }
+#else
+shared uint cell_volumes[AREA && MANY_SLOTS ? TILE_SAMPLES : 1u];
+shared uint cell_covered[AREA && MANY_SLOTS ? TILE_SAMPLES : 1u];
+shared uint cell_moments[VARIATION ? 2u * TILE_SAMPLES : 1u];
+
+void addVolume(uint address, ivec2 more, bool alone) {
+  if (MANY_SLOTS) {
+    atomicAdd(cell_volumes[address], uint(more.x));
+    atomicAdd(cell_covered[address], uint(more.y));
+  } else {
+    atomicAdd(tile_heights[address], uint(more.x));
+    atomicAdd(cell_shares[address], uint(more.y));
+  }
+}
+
+ivec2 volumeOf(uint address) {
+  return MANY_SLOTS ? ivec2(cell_volumes[address], cell_covered[address]) : ivec2(tile_heights[address] - kEmpty, cell_shares[address] - kWhole);
+}
+
+void clearVolume(uint address) {
+  if (MANY_SLOTS) {
+    cell_volumes[address] = cell_covered[address] = 0;
+  } else if (!keepsShares()) {
+    cell_shares[address] = kWhole;
+  }
+}
+
+void addMoment(uint address, ivec2 more) {
+  atomicAdd(cell_moments[2u * address], uint(more.x));
+  atomicAdd(cell_moments[2u * address + 1u], uint(more.y));
+}
+ivec2 momentOf(uint address) { return ivec2(cell_moments[2u * address], cell_moments[2u * address + 1u]); }
+void clearMoment(uint address) { cell_moments[2u * address] = cell_moments[2u * address + 1u] = 0; }
+#endif
+
+void clearSums(uint address) {
+  clearVolume(address);
+  if (!VARIATION) return;
+  cell_squares[address] = 0;
+  clearMoment(address);
+}
