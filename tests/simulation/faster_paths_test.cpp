@@ -188,6 +188,8 @@ TEST(FasterPathsOnEveryDriver, LockstepChangesNoBit) {
   sensor.skin.friction = {.tangential_stiffness = 5e7, .friction_coefficient = 0.8};
   sensor.skin.relaxation = {{.fraction = 0.4, .time = 0.01}};
   expectLockstepDoesNotShow(sensor);
+  sensor.depth_sampling = DepthSampling::kArea;
+  expectLockstepDoesNotShow(sensor);
   Sensor layer = support::gridSensor({.num_rows = 5, .num_cols = 6, .samples_per_taxel = 2});
   layer.skin.law = ElasticLayer{.elastic_modulus = 1e6, .poisson_ratio = 0.49};
   expectLockstepDoesNotShow(layer);
