@@ -76,8 +76,9 @@ class DriverProfile {
   // Whether the driver's threads are bound to processors: gpu/driver_threads.h.
   bool bindsThreads() const { return paths_.threads && vector_size_ > 0; }
 
-  // The variant for workgroups of this size. A workgroup that is one vector of Mesa's software driver runs in lockstep. kNoneWaits:
-  // invocations do not wait for each other, whatever the size.
+  // The variant for workgroups of this size. A workgroup that is one vector of Mesa's software driver runs in lockstep, if the driver has
+  // atomic operations of 64 bits (shaders/depth/area/cell_sums.glsl). kNoneWaits: invocations do not wait for each other, whatever the
+  // size.
   static constexpr std::uint32_t kNoneWaits = 1;
   std::span<const std::uint32_t> select(const ShaderVariants& variants, std::uint32_t workgroup) const;
 

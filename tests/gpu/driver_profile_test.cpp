@@ -55,6 +55,7 @@ TEST(DriverProfile, LockstepNeedsMesasSoftwareDriverAndOneVector) {
   EXPECT_EQ(profileOf(DeviceType::kCpu, "SwiftShader driver").select(variants, 4)[0], any);
   EXPECT_EQ(discreteGpu().select(variants, 8)[0], any);
   EXPECT_EQ(profileOf(DeviceType::kCpu, "llvmpipe Mesa", {.lockstep = false}).select(variants, 8)[0], any);
+  EXPECT_EQ(profileOf(DeviceType::kCpu, "llvmpipe Mesa", {}, {.integers = true, .floats = true}).select(variants, 8)[0], any);
 }
 
 TEST(DriverProfile, PlainPathsSwitchOffWhatTheyName) {
