@@ -2,8 +2,9 @@
 // with workgroupBarrierWithBuffers() between stores and loads.
 //
 // With LOCKSTEP or PAIRS_OF_64_BITS, which only software drivers run, the buffer is a texel buffer: these drivers check bounds and load per word and lane for a
-// storage buffer, but once per lane for a texel of 128 bits, so that even one word is better fetched as one of four. A GPU loads a uvec4 at once. Loads of a storage texel buffer cost as much as those of a uniform one,
-// but see stores of the same dispatch. Stores to it cost more than those of pairs (driver/pairs.glsl).
+// storage buffer, but once per lane for a texel of 128 bits, so that even one word is better fetched as one of four. A GPU loads a uvec4 at once. Loads of a
+// storage texel buffer cost as much as those of a uniform one, but see stores of the same dispatch. Stores to it cost more than those of pairs
+// (driver/pairs.glsl).
 #if defined(LOCKSTEP) || defined(PAIRS_OF_64_BITS)
 #define FOURS(number, Name) layout(set = 0, binding = number) uniform usamplerBuffer Name
 #define fourOf(Name, index) texelFetch(Name, int(index))

@@ -2,7 +2,7 @@
 //
 // A software driver visits the lanes of a vector one after another for each atomic operation and each access to shared memory. With LOCKSTEP, which only
 // software drivers run, two sums are therefore one word of 64 bits: the second sum, plus 2^32 times the first. Otherwise, where an instance has one slot, the
-// sums of volume and share begin at the words of an empty tile, which a GPU's core has more room for.
+// sums of volume and share begin at the words of an empty tile: they take no more shared memory, so that a GPU's core has room for more workgroups.
 // Shared memory: 8 TILE_SAMPLES with LOCKSTEP or MANY_SLOTS, else 0; 12 TILE_SAMPLES with VARIATION.
 
 shared uint cell_squares[VARIATION ? TILE_SAMPLES : 1u];
