@@ -7,9 +7,12 @@ bool beginTile(uint instance, uint tile_number, out Tile tile);
 const bool kManySmallTiles = EARLY_EXIT && NUM_ROWS == 0 && NUM_TILES > 1 && RELAXATION == 0;
 // Other tiles that nothing reaches: their workgroups leave early. A load search in the tile has to say that it found nothing.
 const bool kLeavesUntouched = EARLY_EXIT && NUM_ROWS > 0 && RELAXATION == 0 && !kGlobalSolve && !OUTPUT_JACOBIAN && SEARCH != kSearchInTile;
+// Whether all outputs of a tile outside pastWindow() are 0. Not after a search over tiles, which writes windows, but no shear and no Jacobian; nor where taxel
+// passes write other windows.
+const bool kKnowsPast = EARLY_EXIT && IS_LAST && NUM_ROWS > 0 && SEARCH != kSearchEnded && !kGlobalSolve;
 // One invocation per tile first finds the tiles that objects reach; then all invocations process these one after another: a software driver's vectors compute
 // all of a tile even where every lane has left. This does not pay where a large tile would be cleared every time, or where the workgroup has only one tile.
-bool findsNear() { return kManySmallTiles || kLeavesUntouched && IS_LAST && REPEAT > 1; }
+bool findsNear() { return kManySmallTiles || kLeavesUntouched && kKnowsPast && REPEAT > 1; }
 // Likewise the tiles whose load search has not ended, and those whose object is of the dispatch's kinds.
 bool listsTiles() { return findsNear() || (SEARCH == kSearchOverTiles || SELECTS_KINDS) && EARLY_EXIT && REPEAT > 1; }
 
@@ -22,26 +25,43 @@ bool anyObjectNear(Tile tile, uint instance, uint num_slots) {
   return near;
 }
 
-// Writes the outputs of a tile that no object is near: by one invocation alone (`first` 0, `step` 1), or by all invocations of a workgroup.
-void clearTile(Tile tile, uint instance, uint tile_number, uint first, uint step) {
-  uint result = instance * NUM_TILES + tile_number;
-  if (IS_LAST && NUM_ROWS > 0) {
-    // Outside the window of the step before, all outputs are already 0.
-    bool is_clear = all(equal(tile_results[result].window, uvec4(0)));
-    if (step > 1) workgroupBarrier();
-    if (is_clear) return;
+// Taxels of the patch that the last step may have written: first row, end row, first column, end column. `result`: of the tile.
+uvec4 pastWindow(uint result) { return fourOf(ResultFours, 3u * result + 2u); }
+
+// Clears the outputs of a tile's taxels that are not active; `invocation` of `num_invocations`. The image pass reads no forces outside the window of a sensor of
+// one tile with a kernel.
+void clearTaxels(Tile tile, uint instance, uint result, ActiveTaxels active_taxels, uint invocation, uint num_invocations) {
+  const bool kClearsForces = OUTPUT_JACOBIAN || NUM_TILES > 1 || NUM_ROWS == 0 || HAS_CELLS;
+  if (!(kClearsForces || OUTPUT_DEPTH)) return;
+  uvec2 first = tile.first_taxel, count = tile.size;
+  if (kKnowsPast) {
+    uvec4 past = pastWindow(result);
+    first = past.xz;
+    count = past.yw - past.xz;
   }
-  // Heights are read inside of the windows only.
-  for (uint row = 0; row < (kGlobalSolve ? 0u : tile.size.x); ++row) {
-    uint begin = instance * NUM_TAXELS + tile.grid.z + (row + tile.first_taxel.x) * tile.grid.y + tile.first_taxel.y;
-    for (uint taxel = begin + first; taxel < begin + tile.size.y; taxel += step) {
-      contact_normal[taxel] = 0.0;
-      if (OUTPUT_SHEAR) writeShear(taxel, vec2(0));
-      if (OUTPUT_DEPTH) contact_depth[taxel] = 0.0;
-      if (OUTPUT_JACOBIAN) clearCell(taxel);
+  for (uint k = invocation; k < count.x * count.y; k += num_invocations) {
+    uvec2 in_patch = first + cellNumbered(k, count.y), from_active = in_patch - tile.first_taxel - active_taxels.first;
+    if (all(lessThan(from_active, active_taxels.count))) continue;
+    uint taxel = instance * NUM_TAXELS + tile.grid.z + in_patch.x * tile.grid.y + in_patch.y;
+    if (kWritesCells) {
+      node_cells[kNodeCellWords * taxel + 1u] = 0;
+      continue;
     }
+    if (kClearsForces) contact_normal[taxel] = kGlobalSolve ? kMiss : 0.0;
+    if (OUTPUT_SHEAR) writeShear(taxel, vec2(0));
+    if (OUTPUT_DEPTH) contact_depth[taxel] = 0.0;
+    if (OUTPUT_JACOBIAN) clearCell(taxel);
   }
-  if (first > 0) return;
+}
+
+// Writes the outputs of a tile that no object is near; all invocations of a workgroup share it, or one takes it alone.
+void clearTile(Tile tile, uint instance, uint tile_number, uint invocation, uint num_invocations) {
+  uint result = instance * NUM_TILES + tile_number;
+  if (kKnowsPast && all(equal(pastWindow(result), uvec4(0)))) return;
+  // Heights are read inside of the windows only.
+  if (!kGlobalSolve) clearTaxels(tile, instance, result, ActiveTaxels(uvec2(0), uvec2(0)), invocation, num_invocations);
+  if (num_invocations > 1) workgroupBarrier();
+  if (invocation > 0) return;
   if (kStoresTouched) state[stateStart(result) + kTouchedTaxels] = uvec4(0);
   if (OUTPUT_WRENCH_CHANGE) clearChange(result);
   tile_results[result] = TileResult(vec4(0), vec4(0), uvec4(0));
@@ -63,24 +83,4 @@ uint listTiles(uint first, uint end) {
   }
   workgroupBarrier();
   return num_listed_tiles;
-}
-
-// Clears the taxels that nothing reaches. The image pass reads nothing outside the window of a sensor of one tile with a kernel.
-void clearUntouched(Tile tile, TileStep step, ActiveTaxels taxels) {
-  if (!kClearsHeights && !HAS_CELLS) return;
-  if (!(OUTPUT_JACOBIAN || NUM_TILES > 1 || NUM_ROWS == 0 || OUTPUT_DEPTH || HAS_CELLS)) return;
-  for (uint k = gl_LocalInvocationIndex; k < tile.size.x * tile.size.y; k += WORKGROUP) {
-    uvec2 in_tile = cellNumbered(k, tile.size.y);
-    if (all(greaterThanEqual(in_tile, taxels.first)) && all(lessThan(in_tile, taxels.first + taxels.count))) continue;
-    uvec2 in_patch = in_tile + tile.first_taxel;
-    uint taxel = step.first_taxel + in_patch.x * tile.grid.y + in_patch.y;
-    if (kWritesCells) {
-      node_cells[kNodeCellWords * taxel + 1u] = 0;
-      continue;
-    }
-    contact_normal[taxel] = kGlobalSolve ? kMiss : 0.0;
-    if (OUTPUT_SHEAR) writeShear(taxel, vec2(0));
-    if (OUTPUT_DEPTH) contact_depth[taxel] = 0.0;
-    if (OUTPUT_JACOBIAN) clearCell(taxel);
-  }
 }

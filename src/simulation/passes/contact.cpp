@@ -121,6 +121,7 @@ void ContactPass::record(Recorder recorder, Variant variant) const {
   }
   if (model_.hasMask()) recorder.bindings.redirect<block::SpreadScale, block::MaskScale>();
   recorder.bindings.redirect<block::PastState, block::State>();
+  recorder.bindings.redirect<block::ResultFours, block::TileResults>();
   const Kernel& kernel = kernels_.get(variant, [&] { return makeKernel(variant); });
   if (variant.leaves_tiles) recorder.copyWorkRows(layout::kLeftTiles, layout::kLeftTiles, 2);
   if (variant.list == layout::kNumLists) {
