@@ -175,6 +175,31 @@ TEST(FrictionOnEveryDriver, SlidingLoadShearsWithMuTimesTheLoad) {
   }
 }
 
+// Jumps of several taxels over an array of several tiles, from one of which the object moves to the next: nothing stays behind for the spread.
+TEST(FrictionOnDevice, ShearUnderALoadAddsUpBetweenTiles) {
+  Sensor sensor = support::gridSensor({.num_rows = 6, .num_cols = 96});
+  sensor.skin.friction = {1e8, 0.6};
+  sensor.psf = gaussianPsf(2, 9);
+  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.01})}});
+  Simulator simulator(model, {});
+  simulator.setLoad(0, 2.0f);
+  constexpr int kNumFrames = 60;
+  for (int n = 0; n < kNumFrames; ++n) {
+    const double y = (n - kNumFrames / 2) * 5e-3 + (n % 2) * 1e-3;
+    support::setTouches(simulator, {{{0}, {{.position = {0, y, 0.0095}}}}});
+    simulator.step(kDt);
+    const FrameView frame = simulator.read();
+    double x_sum = 0, y_sum = 0;
+    const auto shear = frame.ground_truth.tactile_shear_force;
+    for (std::size_t k = 0; k < shear.size(); k += 2) x_sum += shear[k], y_sum += shear[k + 1];
+    EXPECT_NEAR(x_sum, frame.ground_truth.contact_wrench[0], 300 * support::kUlp) << n;
+    EXPECT_NEAR(y_sum, frame.ground_truth.contact_wrench[1], 300 * support::kUlp) << n;
+    if (n > 0) {
+      EXPECT_GT(std::hypot(x_sum, y_sum), 0.1);
+    }
+  }
+}
+
 TEST(FrictionOnDevice, NoShearWithoutFriction) {
   const Sensor sensor = support::gridSensor();
   const std::vector<Push> pushes =
