@@ -6,16 +6,16 @@
 // nodes in each of three pieces of what touches integrates along a line (depth/area/chords.glsl). Twin: src/reference/mean_depth.cpp.
 //
 // Cells on the edge and cells with scan lines are listed first: a vector processor takes a branch with all its lanes.
-// Shared memory: 4 bytes.
+// Shared memory: 8 bytes.
 
 const uint kLines = 4u;
 const uint kScanLines = 8u;
 const float kSmooth = 0.003;         // of the largest depth: what the quartic terms of a surface may change
 const float kGauss = 0.5773502692;   // nodes of Gauss's rule on [-1, 1]
 
-// Of listed_cells, those on an edge come first, and those with scan lines last. Their numbers, in 16 bits each.
-shared uint num_listed_cells;
-const uint kOneEdge = 1u, kOneScanned = 0x10000u;
+// Of listed_cells, those on an edge come first, and those with scan lines last.
+LIST_LENGTH uint num_edge_cells;
+LIST_LENGTH uint num_scan_cells;
 
 // Height (m) of the solid's lowest surface over a place of P; kMiss without one.
 float heightAt(Tile tile, Solid solid, vec2 xy, inout Found found) {
@@ -232,27 +232,26 @@ void addSolid(Tile tile, Solid solid, uint slot, inout Found found) {
   uint count = uint(band.box.last.x - band.box.first.x + 1) * band.width;
   uint start = 0;
   do {
-    if (gl_LocalInvocationIndex == 0) num_listed_cells = 0;
+    num_edge_cells = num_scan_cells = 0;
     workgroupBarrier();
     uint end = min(start + kMostListed, count), i = start + gl_LocalInvocationIndex;
     do {
+      uint place = kOutside, packed = 0;
       if (i < end) {
         uvec2 at = cellOf(band, i);
         bool is_quadratic = quadraticUnder(tile, solid.kind, tube, samplePosition(tile, tile.first + vec2(at)), surface);
-        uint place = placeOf(tile, surface, is_quadratic, deepest), packed = at.x << 16 | at.y;
+        place = placeOf(tile, surface, is_quadratic, deepest);
+        packed = at.x << 16 | at.y;
         if (place == kInside) {
           giveCell(tile, at.x * tile.stride + at.y, slot, integralInside(surface, tile.spacing), found);
         }
-        if (place >= kEdge) {
-          uint before = atomicAdd(num_listed_cells, place == kEdge ? kOneEdge : kOneScanned);
-          listed_cells[place == kEdge ? before % kOneScanned : kMostListed - 1u - before / kOneScanned] = packed;
-        }
       }
+      uint edge_place = placeIn(num_edge_cells, place == kEdge), scan_place = placeIn(num_scan_cells, place == kScanned);
+      if (place >= kEdge) listed_cells[place == kEdge ? edge_place : kMostListed - 1u - scan_place] = packed;
       i += WORKGROUP;
     } while (i - gl_LocalInvocationIndex < end);
     checkLoop(i < end);
     workgroupBarrier();
-    uint num_edge_cells = num_listed_cells % kOneScanned, num_scan_cells = num_listed_cells / kOneScanned;
     i = gl_LocalInvocationIndex;
     do {
       if (i < num_edge_cells) {
