@@ -175,7 +175,8 @@ TEST(FrictionOnEveryDriver, SlidingLoadShearsWithMuTimesTheLoad) {
   }
 }
 
-// Jumps of several taxels over an array of several tiles, from one of which the object moves to the next: nothing stays behind for the spread.
+// Jumps of several taxels over an array of several tiles, from one of which the object moves to the next: nothing stays behind for the
+// spread.
 TEST(FrictionOnDevice, ShearUnderALoadAddsUpBetweenTiles) {
   Sensor sensor = support::gridSensor({.num_rows = 6, .num_cols = 96});
   sensor.skin.friction = {1e8, 0.6};
