@@ -250,8 +250,8 @@ def main() -> None:
     for number in range(options.first, options.first + options.scenes):
         scene = random_scene(number)
         (plain, plain_error), (fast, fast_error) = attempt(device, scene, PLAIN), attempt(device, scene, "")
-        found = [f"plain: {plain_error}; fast: {fast_error}"] if plain_error != fast_error else list(differences(plain, fast))
-        num_refused += plain_error == fast_error != ""
+        found = [f"plain: {plain_error}; fast: {fast_error}"] if bool(plain_error) != bool(fast_error) else list(differences(plain, fast))
+        num_refused += plain_error != "" and fast_error != ""
         num_different += bool(found)
         print(f"{number}: {scene.describe()}: {'; '.join(found[:8]) or plain_error or 'same bits'}", flush=True)
     print(f"{options.scenes} scenes: {num_different} differ, {num_refused} refused")
