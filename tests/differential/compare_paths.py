@@ -1,6 +1,6 @@
 """Random sensors, objects and steps: every bit of every output of the fast paths compared with the plain path.
 
-    PYTHONPATH=build/release/python build/venv/bin/python tests/differential/compare_paths.py [--scenes 100] [--first 0]
+    PYTHONPATH=build/release/python:bench/python build/venv/bin/python tests/differential/compare_paths.py [--scenes 100] [--first 0]
 
 Objects slide, jump, leave and come back; some press with loads, and some instances begin new episodes. Prints the outputs that differ, by
 scene and step, and exits with 1 if there are any. The path for polyhedra is on in both: its heights agree within rounding only. A number
@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from report import lowest_height
 
 import taxelsim
 from taxelsim.errors import Error
@@ -154,10 +155,9 @@ def random_outputs(draws: Draws, law: str) -> taxelsim.OutputOptions:
 def random_pose(draws: Draws, shape: taxelsim.Object) -> NDArray[np.float64]:
     """Over the middle of the array, from 0.5 mm above the skin to 1.3 mm deep."""
     rotation = draws.random.normal(size=4) * (1, draws.one(0, 1), draws.one(0, 1), 1)
-    w, x, y, z = rotation = rotation / np.linalg.norm(rotation)
-    to_height = np.array([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)])
-    lowest = float(to_height @ taxelsim.lowest_point(shape, list(rotation)))
-    return np.array([*draws.random.uniform(-0.03, 0.03, 2), -lowest - draws.random.uniform(-5e-4, 1.3e-3), *rotation])
+    rotation /= np.linalg.norm(rotation)
+    x, y = draws.random.uniform(-0.03, 0.03, 2)
+    return np.array([x, y, -lowest_height(shape, list(rotation)) - draws.random.uniform(-5e-4, 1.3e-3), *rotation])
 
 
 def random_steps(draws: Draws, shapes: list[taxelsim.Object], law: str) -> Iterator[Step]:
