@@ -33,6 +33,7 @@ namespace taxelsim {}
 #include "taxelsim/experiment.h"
 #include "taxelsim/generate.h"
 #include "taxelsim/grasp_evaluation.h"
+#include "taxelsim/log.h"
 #include "taxelsim/measurement.h"
 #include "taxelsim/model.h"
 #include "taxelsim/object.h"

@@ -9,6 +9,7 @@ namespace nb = nanobind;
 using namespace nb::literals;
 
 void bindErrors(nb::module_& module);
+void bindLog(nb::module_& module);
 void bindPose(nb::module_& module);
 void bindDevice(nb::module_& module);
 void bindObjects(nb::module_& module);

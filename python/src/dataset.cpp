@@ -11,6 +11,7 @@
 
 #include "bind.h"
 #include "taxelsim/dataset.h"
+#include "without_gil.h"
 
 namespace taxelsim::python {
 namespace {
@@ -31,7 +32,7 @@ void open(DatasetReader* self, const std::filesystem::path& folder) {
 nb::object readRows(const DatasetReader& reader, const std::string& column, std::uint64_t first, std::uint64_t count) {
   std::vector<std::byte> rows;
   {
-    const nb::gil_scoped_release release;
+    const WithoutGil released;
     rows = reader.read(column, first, count);
   }
   const auto* const bytes = reinterpret_cast<const std::uint8_t*>(rows.data());
@@ -66,7 +67,7 @@ void bindDataset(nb::module_& module) {
       .def("read", &readRows, "column"_a, "first"_a, "count"_a,
            nb::sig("def read(self, column: str, first: int, count: int) -> numpy.typing.NDArray[typing.Any]"),
            "Bytes of rows [first, first + count).");
-  module.def("write_view", &writeDatasetView, "folder"_a, "num_frames"_a, nb::call_guard<nb::gil_scoped_release>(),
+  module.def("write_view", &writeDatasetView, "folder"_a, "num_frames"_a, nb::call_guard<WithoutGil>(),
              "Writes dataset.h5 and its checksum next to a manifest whose shards are elsewhere. num_frames: of an episode.");
 }
 

@@ -4,6 +4,7 @@
 
 #include "handles.h"
 #include "structs.h"
+#include "without_gil.h"
 
 namespace taxelsim::python {
 namespace {
@@ -36,7 +37,7 @@ void bindDevice(nb::module_& module) {
 
 May be used from several threads at once. It does not survive fork().)")
       .def_static("open", &openDevice, "device"_a = "", nb::kw_only(), "validation"_a = false, "keep_kernels"_a = true,
-                  nb::call_guard<nb::gil_scoped_release>(), R"(Opens a device. Waits.
+                  nb::call_guard<WithoutGil>(), R"(Opens a device. Waits.
 
 device: "discrete", "integrated", "cpu", an index into list_devices(), or part of a name. Empty: the environment variable TAXELSIM_DEVICE
     if set, else the best device.
@@ -47,7 +48,7 @@ Raises DeviceError if no device matches.)")
       .def_prop_ro(
           "info", [](const DeviceHandle& device) { return device.get().info(); }, "Description of the device.")
       .def("__repr__", [](const DeviceHandle& device) { return "<taxelsim.Device " + device.get().info().name + ">"; });
-  module.def("list_devices", &listDevices, nb::call_guard<nb::gil_scoped_release>(),
+  module.def("list_devices", &listDevices, nb::call_guard<WithoutGil>(),
              "All devices that can run taxelsim, best first. Raises DeviceError without Vulkan.");
 }
 

@@ -15,6 +15,7 @@
 #include "environment_views.h"
 #include "handles.h"
 #include "verdict_arrays.h"
+#include "without_gil.h"
 
 namespace taxelsim::python {
 namespace {
@@ -38,7 +39,7 @@ class SharedEnvironment {
   // Calls `use(environment)` without the GIL.
   template <typename Use>
   auto with(Use use) {
-    const nb::gil_scoped_release release;
+    const WithoutGil released;
     const std::lock_guard lock(mutex_);
     return use(environment_.get());
   }
@@ -140,8 +141,7 @@ std::vector<std::tuple<std::string, bool, double>> jointsOf(const Scene& scene) 
 
 void bindEnvironment(nb::module_& module) {
   nb::class_<SharedEnvironment>(module, "Environment", "The batch behind taxelsim.Environment.")
-      .def("__init__", &init, "device"_a, "scene"_a, "num_instances"_a, "outputs"_a, "max_regions"_a,
-           nb::call_guard<nb::gil_scoped_release>())
+      .def("__init__", &init, "device"_a, "scene"_a, "num_instances"_a, "outputs"_a, "max_regions"_a, nb::call_guard<WithoutGil>())
       .def("reset", &reset, "mask"_a, "episodes"_a)
       .def("step", &stepTwists, "twists"_a, "num_frames"_a)
       .def("step_joints", &stepJoints, "velocities"_a, "num_frames"_a)

@@ -13,6 +13,7 @@
 #include "calling_thread.h"
 #include "taxelsim/progress.h"
 #include "taxelsim/simplification_stop.h"
+#include "without_gil.h"
 
 namespace taxelsim::python {
 
@@ -51,7 +52,7 @@ Result runInterruptibly(const nb::object& on_progress, Run run, Keep keep) {
       const std::function<void()>* work = nullptr;
       std::optional<Progress> progress;
       {
-        const nb::gil_scoped_release release;
+        const WithoutGil released;
         work = calling_thread.wait(kPollInterval);
         finished = calling_thread.finished();
         const std::lock_guard lock(mutex);
@@ -70,7 +71,7 @@ Result runInterruptibly(const nb::object& on_progress, Run run, Keep keep) {
     calling_thread.abandon();
   }
   {
-    const nb::gil_scoped_release release;
+    const WithoutGil released;
     worker.join();
   }
   if (raised) {

@@ -7,6 +7,7 @@
 #include "any_object.h"
 #include "bind.h"
 #include "handles.h"
+#include "without_gil.h"
 
 namespace taxelsim::python {
 namespace {
@@ -26,7 +27,7 @@ void bindModel(nb::module_& module) {
 
 Any number of simulators share a model, in any thread.)")
       .def("__init__", &makeModel, "device"_a, "sensor"_a, "objects"_a = std::vector<AnyObject>{}, nb::kw_only(), "contact_workgroup"_a = 0,
-           "image_workgroup"_a = 0, nb::call_guard<nb::gil_scoped_release>(), R"(Uploads the objects. Waits.
+           "image_workgroup"_a = 0, nb::call_guard<WithoutGil>(), R"(Uploads the objects. Waits.
 
 device: an open Device.
 sensor: a Sensor.

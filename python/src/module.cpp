@@ -6,6 +6,7 @@ NB_MODULE(_core, module) {
   using namespace taxelsim::python;
   module.attr("version") = taxelsim::kVersion;
   bindErrors(module);
+  bindLog(module);
   bindPose(module);
   bindDevice(module);
   bindObjects(module);

@@ -13,6 +13,7 @@
 #include <algorithm>
 
 #include "structs.h"
+#include "without_gil.h"
 
 namespace taxelsim::python {
 namespace {
@@ -173,7 +174,7 @@ void bindModelOfSensor(nb::module_& module) {
       .def_prop_ro(
           "taxel_normals", [](const Sensor& self) { return rowsOf(taxelNormals(self)); }, nb::rv_policy::automatic,
           "(num_taxels, 3), unit normals of all taxels in S.");
-  module.def("load_sensor", &loadSensor, "file"_a, nb::call_guard<nb::gil_scoped_release>(),
+  module.def("load_sensor", &loadSensor, "file"_a, nb::call_guard<WithoutGil>(),
              "Reads a sensor file. Raises InputError with file, line, column and key.");
   module.def("sensor_text", &sensorText, "sensor"_a, "notes"_a = std::map<std::string, std::string>{},
              "Text of a sensor file, all settings in SI units; load_sensor() reads it as the same sensor. notes: comments by key.");

@@ -11,6 +11,7 @@
 #include "frame_views.h"
 #include "handles.h"
 #include "structs.h"
+#include "without_gil.h"
 
 namespace taxelsim::python {
 namespace {
@@ -42,7 +43,7 @@ class SharedSimulator {
   // Calls `use(simulator)` without the GIL. Inputs may not change while the device reads them.
   template <typename Use>
   auto input(const char* method, Use use) {
-    const nb::gil_scoped_release release;
+    const WithoutGil released;
     const std::lock_guard lock(mutex_);
     if (running_) throw std::logic_error(std::string(method) + "() between step() and read(): call read() first");
     return use(simulator_.get());
@@ -61,7 +62,7 @@ class SharedSimulator {
   }
 
   FrameView read() {
-    const nb::gil_scoped_release release;
+    const WithoutGil released;
     const std::lock_guard lock(mutex_);
     running_ = false;
     return simulator_.get().read();
@@ -163,7 +164,7 @@ void bindSimulator(nb::module_& module) {
           [](SharedSimulator* self, const ModelHandle& model, const SimulatorOptions& options) {
             new (self) SharedSimulator(model.get(), options);
           },
-          "model"_a, "options"_a, nb::call_guard<nb::gil_scoped_release>())
+          "model"_a, "options"_a, nb::call_guard<WithoutGil>())
       .def(
           "set_objects",
           [](SharedSimulator& self, const Ids& ids, const Poses& poses) {

@@ -97,6 +97,7 @@ from ._core import (
     taxel_patch,
 )
 from ._core import version as __version__
+from ._log import set_log_level
 from .contact_points import ContactPoints, contact_points
 from .dataset import Dataset
 from .environment import Environment, EnvironmentFrame, TaskState, episode_keys
@@ -224,6 +225,7 @@ __all__ = [
     "pin_depth",
     "pin_force",
     "sensor_text",
+    "set_log_level",
     "shear_modulus",
     "shore_a_modulus",
     "skin_stiffness",

@@ -2,6 +2,25 @@
 
 from __future__ import annotations
 
+import logging
+import re
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import gymnasium
+import mujoco
+import numpy as np
+import pytest
+
+import taxelsim
+import taxelsim.envs
+import taxelsim.mujoco
+
+from .envs.conftest import write_scene
+from .mujoco import models
+
 # == Every shape pushes back wherever areas are sampled ==
 
 # == Gymnasium's own vector environments take every task ==
@@ -29,6 +48,68 @@ from __future__ import annotations
 # == Noise alone is no contact ==
 
 # == Warnings come once, through logging ==
+
+
+def test_benchmarks_do_not_warn_about_themselves():
+    command = """
+import taxelsim
+device = taxelsim.Device.open()
+for file in sorted((taxelsim.SCENES / "benchmark").glob("*.yaml")):
+    for condition in ("nominal", "randomized", "unseen"):
+        scene = taxelsim.load_scene(file, condition=condition)
+        taxelsim.Model(device, scene.sensor, scene.objects)
+"""
+    done = subprocess.run([sys.executable, "-c", command], capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+def test_each_warning_is_logged_once(device, sensor, caplog):
+    pin = taxelsim.Object(taxelsim.Cylinder(radius=0.0005, length=0.012), "pin of logging")
+    for _ in range(2):
+        taxelsim.Model(device, sensor, [pin])
+    (record,) = caplog.records
+    assert (record.name, record.levelname) == ("taxelsim", "WARNING")
+    assert record.getMessage().startswith("object pin of logging is 1 mm wide, samples are 0.85 mm apart")
+
+
+def test_warnings_of_any_thread(tmp_path, caplog):
+    big = tmp_path / "big.obj"
+    big.write_text("v 0 0 0\nv 36 0 0\nv 0 36 0\nv 0 0 36\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n")
+    handled = []
+
+    class Handler(logging.Handler):
+        def emit(self, record: logging.LogRecord) -> None:
+            taxelsim.parse_object("sphere:0.01")  # a handler may call the library
+            handled.append(record.getMessage().split()[0 if "big.obj" in record.getMessage() else 1])
+
+    logger, handler = logging.getLogger("taxelsim"), Handler()
+    logger.addHandler(handler)
+    texts = [f"sphere:{radius}" for radius in (31, 32, 33, 34)]
+    threads = [threading.Thread(target=taxelsim.parse_object, args=(text,)) for text in texts[:3]]
+    threads.append(threading.Thread(target=taxelsim.load_mesh, args=(big,)))  # which reads the file in a thread without Python
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    taxelsim.parse_object(texts[3])
+    logger.removeHandler(handler)
+    assert sorted(handled) == sorted([*(f"'{text}'" for text in texts), f"{big}:"])
+
+
+def test_log_level_and_stderr():
+    command = "import taxelsim; {}taxelsim.parse_object('sphere:35')"
+    lines = []
+    for setting in ("", "taxelsim.set_log_level('warning'); ", "taxelsim.set_log_level('error'); "):
+        done = subprocess.run([sys.executable, "-c", command.format(setting)], capture_output=True, text=True)
+        assert (done.returncode, done.stdout) == (0, "")
+        lines.append(done.stderr)
+    plain = "object 'sphere:35' is 70 m long"
+    assert lines[0].startswith(plain)
+    assert lines[1].startswith(f"warning: {plain}")
+    assert [line.count("\n") for line in lines] == [1, 1, 0]
+    with pytest.raises(taxelsim.InputError, match=r"^level: 'loud' found, allowed are debug, info, warning, error, off$"):
+        taxelsim.set_log_level("loud")
+
 
 # == Arguments of the wrong kind get one line ==
 

@@ -3,6 +3,13 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <mutex>
+#include <string>
+#include <unordered_set>
+#include <utility>
+
+#include "taxelsim/log.h"
+
 namespace taxelsim {
 namespace {
 
@@ -15,18 +22,49 @@ spdlog::logger& logger() {
   return *logger;
 }
 
+std::mutex mutex;
+LogSink sink;
+
+void log(LogLevel level, std::string_view line) {
+  LogSink chosen;
+  {
+    const std::lock_guard lock(mutex);
+    chosen = sink;
+  }
+  if (chosen) return chosen(level, line);
+  switch (level) {
+    case LogLevel::kDebug:
+      return logger().debug(line);
+    case LogLevel::kWarning:
+      return logger().warn(line);
+    case LogLevel::kError:
+      return logger().error(line);
+  }
+}
+
+bool isFirst(std::string_view line) {
+  static std::unordered_set<std::string> lines;
+  const std::lock_guard lock(mutex);
+  return lines.emplace(line).second;
+}
+
 }  // namespace
 
+void setLogSink(LogSink new_sink) {
+  const std::lock_guard lock(mutex);
+  sink = std::move(new_sink);
+}
+
 void logDebug(std::string_view line) {
-  logger().debug(line);
+  log(LogLevel::kDebug, line);
 }
 
 void logWarning(std::string_view line) {
-  logger().warn(line);
+  if (isFirst(line)) log(LogLevel::kWarning, line);
 }
 
 void logError(std::string_view line) {
-  logger().error(line);
+  log(LogLevel::kError, line);
 }
 
 }  // namespace taxelsim

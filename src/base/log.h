@@ -1,5 +1,4 @@
-// The library's log. Lines go to the spdlog logger named "taxelsim". Where the program has registered none of that name, one that writes to
-// stderr is created at the first line. Thread-safe.
+// The library's log. Lines go to the sink of taxelsim/log.h. Thread-safe.
 #pragma once
 
 #include <string_view>
@@ -7,6 +6,7 @@
 namespace taxelsim {
 
 void logDebug(std::string_view line);
+// A line that was logged before is dropped.
 void logWarning(std::string_view line);
 void logError(std::string_view line);
 

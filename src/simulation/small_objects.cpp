@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <variant>
 
@@ -18,6 +19,9 @@ namespace {
 
 // Samples across an object below which it is warned of, and from which its area is known to about a quarter.
 constexpr double kFewSamples = 2, kEnoughSamples = 4;
+// The same for an object longer than the array, which crosses it: even where it lies along a row of samples, one row touches it. Elsewhere
+// many samples along its length do.
+constexpr double kFewSamplesAcross = 1;
 // Nodes across an object below which their cells may miss it with area sampling: the outline is then within one cell.
 constexpr double kFewCells = 1.5;
 
@@ -42,16 +46,31 @@ double coarsestPitch(const Sensor& sensor) {
   return pitch;
 }
 
+// Diagonal of the box around the taxels, m.
+double arrayLength(const Sensor& sensor) {
+  Vector3 least{}, most{};
+  least.fill(std::numeric_limits<double>::max());
+  most.fill(std::numeric_limits<double>::lowest());
+  for (const Vector3& position : taxelPositions(sensor)) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      least[axis] = std::min(least[axis], position[axis]);
+      most[axis] = std::max(most[axis], position[axis]);
+    }
+  }
+  return std::hypot(most[0] - least[0], most[1] - least[1], most[2] - least[2]) + std::numbers::sqrt2 * coarsestPitch(sensor);
+}
+
 }  // namespace
 
 void warnOfSmallObjects(const Sensor& sensor, std::span<const Object> objects) {
   const bool is_foundation = std::holds_alternative<Pasternak>(sensor.skin.law), is_area = sensor.depth_sampling == DepthSampling::kArea;
   if (is_area && !is_foundation) return;
   const int parts = is_foundation ? pasternakRefinement(sensor) : 1;
-  const double pitch = coarsestPitch(sensor), spacing = pitch / (sensor.samples_per_taxel * parts);
+  const double pitch = coarsestPitch(sensor), spacing = pitch / (sensor.samples_per_taxel * parts), length = arrayLength(sensor);
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const std::array<double, 3> extents = extentsOf(objects[i]);
-    const double width = extents[0], least_width = (is_area ? kFewCells : kFewSamples) * spacing;
+    const double few = is_area ? kFewCells : extents[2] > length ? kFewSamplesAcross : kFewSamples;
+    const double width = extents[0], least_width = few * spacing;
     const bool is_plate = extents[1] >= least_width;
     if (!(width < least_width)) continue;
     const double count = std::ceil(kEnoughSamples * pitch / width);

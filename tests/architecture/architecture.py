@@ -31,6 +31,7 @@ HEADERS = {
     "contact_type.h": None,
     "task.h": None,
     "progress.h": None,
+    "log.h": None,
     "verdict.h": None,
     "simplification_stop.h": "geometry",
     "skin_variation.h": "sensor",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import logging
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -61,7 +60,6 @@ def main(arguments: Sequence[str]) -> int:
     parser = argparse.ArgumentParser(prog="taxelsim evaluate", description=__doc__)
     add_arguments(parser)
     options = parser.parse_args(arguments)
-    logging.basicConfig(format="%(message)s")
     return run_command("evaluate", lambda: _run(options))
 
 

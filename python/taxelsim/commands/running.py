@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import logging
 import subprocess
 import sys
 from collections.abc import Callable
 
+from .._log import stderr_handler
 from ..errors import Error, InputError
 
 
@@ -15,6 +17,7 @@ def run_command(name: str, run: Callable[[], int | None]) -> int:
     2 for bad input and for a package that is not installed, 1 for other errors, 130 after Ctrl-C; that of a program which `run` started and
     which has said why it failed (CalledProcessError).
     """
+    logging.basicConfig(handlers=[stderr_handler()])
     try:
         return run() or 0
     except KeyboardInterrupt:

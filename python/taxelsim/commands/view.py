@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import logging
 import os
 import subprocess
 import sys
@@ -44,7 +43,6 @@ def main(arguments: Sequence[str]) -> int:
     parser = argparse.ArgumentParser(prog="taxelsim view", description=__doc__)
     add_arguments(parser)
     options = parser.parse_args(arguments)
-    logging.basicConfig(format="%(message)s")
     return run_command("view", lambda: _run(options))
 
 

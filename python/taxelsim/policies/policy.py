@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -13,14 +12,13 @@ from numpy.typing import NDArray
 
 from .._arguments import checked_actions
 from .._core import OutputOptions, Scene
+from .._log import warn_once
 from ..environment import EnvironmentFrame, EnvironmentLayout, frame_of
 from ..errors import InputError
 from .actions import ActionMap
 from .batching import independent_of_batch
 from .observations import ObservationBuilder, outputs_of
 from .onnx import OnnxPolicy
-
-_log = logging.getLogger("taxelsim")
 
 
 @dataclass(frozen=True)
@@ -136,4 +134,4 @@ class PolicyCalls:
         self._unchecked = False
         self._function, note = independent_of_batch(self.policy.function, observation)
         if note:
-            _log.warning("%s: %s", self.policy.name, note)
+            warn_once(f"{self.policy.name}: {note}")

@@ -59,7 +59,7 @@ def size_warnings(scene: Scene, missing: Set[int]) -> list[str]:
     lines = [line for item in known if (line := size_warning(item, scene.sensor)) is not None]
     if missing:
         names = ", ".join(scene.objects[index].name for index in sorted(missing))
-        lines.append(f"meshes of {names} are not found and not drawn; --assets names the folder that holds them")
+        lines.append(f"meshes of {names} are not found and not drawn; assets names the folder that holds them")
     return lines
 
 

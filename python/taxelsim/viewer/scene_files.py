@@ -65,7 +65,7 @@ def scene_of(text: str, folders: Sequence[Path], origin: Path) -> tuple[Scene, s
                     Path(root, f"missing_{place}.csv").write_text(content)
                     return f"file: missing_{place}.csv"
             if key != "mesh":
-                raise InputError(f"{origin}: {name} with SHA-256 {sha256} is not found; --assets names the folder that holds it")
+                raise InputError(f"{origin}: {name} with SHA-256 {sha256} is not found; assets names the folder that holds it")
             Path(root, "missing.obj").write_text(_TETRAHEDRON)
             return "mesh: missing.obj"
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .._core import Device, Scene, load_scene
+from .._log import logger
 from ..dataset import Dataset
 from ..dataset.provenance import Provenance
 from ..errors import InputError
@@ -22,7 +22,6 @@ from ..runs import generate
 from .checks import size_warnings
 from .scene_files import scene_of
 
-logger = logging.getLogger("taxelsim")
 DEFAULT_EPISODES = 3
 _MAX_KNOTS = 4097  # of the curve from counts to newtons
 
@@ -124,7 +123,7 @@ def open_source(path: Path, numbers: Sequence[int] | None, assets: Sequence[Path
         raise InputError(f"episodes: {', '.join(map(str, numbers)) or 'none'} found, different numbers from 0 allowed")
     for folder in assets:
         if not folder.is_dir():
-            raise InputError(f"{folder}: not a folder; --assets names a folder with meshes of the scene")
+            raise InputError(f"{folder}: not a folder; assets names a folder with meshes of the scene")
     if path.is_dir():
         data = Dataset(path, isolated=isolated)
         scene, missing = scene_of(Provenance.of(path).scene, assets, path)
@@ -139,4 +138,4 @@ def open_source(path: Path, numbers: Sequence[int] | None, assets: Sequence[Path
 def warn(lines: Sequence[str]) -> None:
     """Logs warnings."""
     for line in lines:
-        logger.warning("warning: %s", line)
+        logger.warning("%s", line)

@@ -53,7 +53,7 @@ def test_saves_a_recording(viewed, tmp_path):
         (["{data}", "--episode", "1", "1"], "episodes: 1, 1 found, different numbers from 0 allowed"),
         (["{tmp}"], "no data set: it has no dataset.yaml"),
         (["{tmp}/none.yaml"], "none.yaml"),
-        (["{data}", "--episode", "0", "--assets", "{tmp}/none"], "none: not a folder; --assets names a folder with meshes of the scene"),
+        (["{data}", "--episode", "0", "--assets", "{tmp}/none"], "none: not a folder; assets names a folder with meshes of the scene"),
         (["{data}", "--save", "{tmp}/out.png"], "out.png: the name of a file that ends in .rrd is needed"),
     ],
 )
@@ -101,7 +101,7 @@ def test_importing_taxelsim_does_not_import_rerun():
 def test_warns_about_objects_of_a_wrong_size(device, tmp_path, caplog, half, message):
     taxelsim.view(write_mesh_scene(tmp_path, half), [0], device=device)
     found = [record.getMessage() for record in caplog.records if "object cube is" in record.getMessage()]
-    assert found == ([f"warning: {message}"] if message else [])
+    assert found == ([message] if message else [])
 
 
 def test_meshes_are_found_by_name_and_checksum(device, tmp_path, caplog, recorded):
@@ -111,7 +111,7 @@ def test_meshes_are_found_by_name_and_checksum(device, tmp_path, caplog, recorde
     shutil.move(tmp_path / "cube.obj", meshes / "cube.obj")
     entity = ("episode_0/world/sensor/object", "Mesh3D:vertex_positions")
     assert entity not in recorded(data).static
-    assert "meshes of cube are not found and not drawn; --assets names the folder that holds them" in caplog.text
+    assert "meshes of cube are not found and not drawn; assets names the folder that holds them" in caplog.text
     caplog.clear()
     assert len(recorded(data, assets=[tmp_path / "meshes"])[entity]) == 36
     assert caplog.text == ""
