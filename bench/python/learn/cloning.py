@@ -13,8 +13,8 @@ import torch
 
 import taxelsim
 from taxelsim.envs import ACTIONS, SCALES
-from taxelsim.envs.tasks import TASKS
 from taxelsim.policies import FEATURES
+from taxelsim.tasks import TASKS
 
 from .network import Actor, Inputs, new_actor, write_onnx
 from .recipe import DEMONSTRATION_SEED, HISTORY, NUM_THREADS, OBSERVATIONS, TRAINING_CONDITION, Recipe, policy_settings

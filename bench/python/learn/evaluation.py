@@ -10,7 +10,7 @@ import numpy as np
 
 import taxelsim
 from taxelsim import TASK_MEASURES, Device, Evaluation, Scene
-from taxelsim.envs.tasks import TASKS
+from taxelsim.tasks import TASKS
 
 from .recipe import CONDITIONS, EVALUATION_SEED
 

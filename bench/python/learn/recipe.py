@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
-from taxelsim.envs.tasks import TASKS
+from taxelsim.tasks import TASKS
 
 OBSERVATIONS = ("features", "tactile_image", "start_contact", "proprioception")
 TACTILE = ("features", "tactile_image", "start_contact")  # what a blind policy does not see

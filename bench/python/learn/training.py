@@ -18,7 +18,7 @@ from torch import nn
 import taxelsim
 from taxelsim.envs import Reward
 from taxelsim.envs.sb3 import StableBaselinesVecEnv
-from taxelsim.envs.tasks import TASKS
+from taxelsim.tasks import TASKS
 
 from .network import Actor, Inputs, as_policy, joined, write_onnx
 from .recipe import HISTORY, NUM_THREADS, TRAINING_CONDITION, TRAINING_SEED, VALIDATION_SEED, Recipe, policy_settings

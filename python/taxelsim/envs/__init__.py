@@ -7,12 +7,13 @@
 
 from ..policies.actions import ACTIONS
 from ..policies.observations import FEATURES, OBSERVATIONS, SCALES
-from .dynamics import DYNAMIC_TASKS, make_dynamic_vec, register_dynamics
-from .env import TactileEnv
+from ..tasks import DYNAMIC_TASKS, TASKS, TaskSpec, register_envs
+from .dynamics import make_vec as make_dynamic_vec
+from .env import EpisodicEnv, TactileEnv
 from .episodic import EpisodicVectorEnv
 from .rewards import Reward
-from .tasks import CONDITIONS, TASKS, TaskSpec, register_tasks
-from .touch_classify import TouchClassifyVectorEnv, register_touch_classify
+from .tasks import CONDITIONS
+from .touch_classify import TouchClassifyVectorEnv
 from .vector_env import TactileVectorEnv
 
 __all__ = [
@@ -23,6 +24,7 @@ __all__ = [
     "OBSERVATIONS",
     "SCALES",
     "TASKS",
+    "EpisodicEnv",
     "EpisodicVectorEnv",
     "Reward",
     "TactileEnv",
@@ -32,6 +34,4 @@ __all__ = [
     "make_dynamic_vec",
 ]
 
-register_tasks()
-register_touch_classify()
-register_dynamics()
+register_envs()

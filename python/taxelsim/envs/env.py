@@ -11,32 +11,35 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from .._core import Scene
+from .episodic import EpisodicVectorEnv
 from .vector_env import TactileVectorEnv
 
 
-class TactileEnv(gymnasium.Env[Any, NDArray[Any]]):
-    """`TactileVectorEnv` with one environment and the interface of `gymnasium.Env`. Takes the same arguments.
+class EpisodicEnv(gymnasium.Env[Any, NDArray[Any]]):
+    """An EpisodicVectorEnv of one environment with the interface of `gymnasium.Env`.
 
-    For one-at-a-time tools and debugging; a vector environment of many is far faster.
+    For one-at-a-time tools and debugging; a vector environment of many is far faster. `episode_key` of its infos is a numpy.uint64, which
+    Gymnasium's SyncVectorEnv and AsyncVectorEnv keep; an int would become an int64.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}  # noqa: RUF012, as declared by Gymnasium
 
-    def __init__(self, scene: Scene | str | os.PathLike[str], **kwargs: Any) -> None:
-        self._batch = TactileVectorEnv(scene, 1, autoreset_mode=AutoresetMode.DISABLED, **kwargs)
-        self.metadata = {**self.metadata, "render_fps": round(1 / self._batch.step_time)}
-        self.render_mode = self._batch.render_mode
-        self.observation_space = self._batch.single_observation_space
-        self.action_space = self._batch.single_action_space
+    def __init__(self, batch: EpisodicVectorEnv) -> None:
+        """batch: of one environment, with AutoresetMode.DISABLED."""
+        self._batch = batch
+        self.metadata = {**self.metadata, "render_fps": round(1 / batch.step_time)}
+        self.render_mode = batch.render_mode
+        self.observation_space = batch.single_observation_space
+        self.action_space = batch.single_action_space
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Starts a new episode."""
-        super().reset(seed=seed)
         observation, infos = self._batch.reset(seed=seed, options=options)
+        super().reset(seed=None if seed is None else int(seed))
         return _single(observation), _single_info(infos)
 
     def step(self, action: NDArray[Any]) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """Performs one action; see `TactileVectorEnv.step`."""
+        """Performs one action; see the vector environment."""
         observation, rewards, terminated, truncated, infos = self._batch.step(np.asarray(action)[None])
         return _single(observation), float(rewards[0]), bool(terminated[0]), bool(truncated[0]), _single_info(infos)
 
@@ -50,6 +53,13 @@ class TactileEnv(gymnasium.Env[Any, NDArray[Any]]):
         self._batch.close()
 
 
+class TactileEnv(EpisodicEnv):
+    """`TactileVectorEnv` with one environment and the interface of `gymnasium.Env`. Takes the same arguments."""
+
+    def __init__(self, scene: Scene | str | os.PathLike[str], **kwargs: Any) -> None:
+        super().__init__(TactileVectorEnv(scene, 1, autoreset_mode=AutoresetMode.DISABLED, **kwargs))
+
+
 def _single(observation: Any) -> Any:
     if isinstance(observation, dict):
         return {name: values[0] for name, values in observation.items()}
@@ -57,4 +67,5 @@ def _single(observation: Any) -> Any:
 
 
 def _single_info(infos: dict[str, Any]) -> dict[str, Any]:
-    return {name: values[0].item() for name, values in infos.items() if not name.startswith("_")}
+    values = {name: rows[0] for name, rows in infos.items() if not name.startswith("_")}
+    return {name: value if isinstance(value, np.uint64) else value.item() for name, value in values.items()}

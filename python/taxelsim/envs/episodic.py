@@ -35,10 +35,12 @@ class EpisodicVectorEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]], ABC):
 
     Every array in `infos` has one row per environment, and a mask `_name` of the rows that are valid.
 
-    Subclasses set the spaces, and implement `_start`, `_advance`, `_observe` and `_info`. One thread at a time may use
-    an environment; several environments may run in several threads. An environment does not survive `os.fork()`: its use
-    in the child raises `taxelsim.DeviceError`.
+    Subclasses set the spaces and `step_time`, and implement `_start`, `_advance`, `_observe`, `_info` and `render`. One
+    thread at a time may use an environment; several environments may run in several threads. An environment does not
+    survive `os.fork()`: its use in the child raises `taxelsim.DeviceError`.
     """
+
+    step_time: float  #: s, simulated time of one step
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "autoreset_mode": AutoresetMode.SAME_STEP}  # noqa: RUF012
 
@@ -73,6 +75,10 @@ class EpisodicVectorEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]], ABC):
     @abstractmethod
     def _info(self) -> dict[str, NDArray[Any]]:
         """Info of the latest step, (num_envs, ...) each."""
+
+    @abstractmethod
+    def render(self) -> tuple[NDArray[np.uint8], ...] | None:
+        """Picture (height, width, 3) of each environment; None without `render_mode`, and before the first reset()."""
 
     def reset(self, *, seed: int | Sequence[int] | None = None, options: dict[str, Any] | None = None) -> tuple[Any, Infos]:
         """Starts new episodes, and returns the first observations and infos.

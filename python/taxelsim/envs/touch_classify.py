@@ -6,7 +6,6 @@ import math
 from os import PathLike
 from typing import Any
 
-import gymnasium
 import numpy as np
 from gymnasium import spaces
 from gymnasium.vector import AutoresetMode
@@ -21,17 +20,16 @@ from ..pictures import pictures, taxel_map
 from ..program import SCENES
 from ..simulator import NO_OBJECT, Simulator
 from .draws import each, uniform_numbers
+from .env import EpisodicEnv
 from .episodic import EpisodicVectorEnv, Mask
 
 Array = NDArray[np.float64]
-
-ENVIRONMENT_ID = "taxelsim/TouchClassify-v0"
 
 #: Observations of a touch.
 TOUCH_OBSERVATIONS = ("tactile_image", "contact")
 
 _LOGIT_SCALE = 10.0  # logit of a class at action 1
-_STEP_TIME = 0.5  # s: the sensor is lifted, then pressed, for this long
+_STEP_TIME = 0.5  # s: the sensor is lifted, then pressed, for this long each
 _PLACEMENT = 0.004  # m, largest offset of an object from the middle of the workspace, along x and y
 _FIXED = ("stiffness", "friction", "trigger", "hysteresis", "delay", "psf_width", "trigger_spread")  # ranges that touches do not draw
 
@@ -81,6 +79,7 @@ class TouchClassifyVectorEnv(EpisodicVectorEnv):
         device: Device | str = "",
     ) -> None:
         super().__init__(num_envs, autoreset_mode, render_mode)
+        self.step_time = 2 * _STEP_TIME
         (self._observation,) = checked_names("observation", observation, TOUCH_OBSERVATIONS)
         self.num_touches = checked_count("num_touches", num_touches)
         self.workspace = checked_positive("workspace", workspace)
@@ -237,7 +236,9 @@ def _log_softmax(logits: Array) -> Array:
     return result
 
 
-def register_touch_classify() -> None:
-    """Registers `taxelsim/TouchClassify-v0` with Gymnasium, for `gymnasium.make_vec` only. Does nothing if it is registered."""
-    if ENVIRONMENT_ID not in gymnasium.registry:
-        gymnasium.register(ENVIRONMENT_ID, vector_entry_point="taxelsim.envs.touch_classify:TouchClassifyVectorEnv")
+def make_env(**kwargs: Any) -> EpisodicEnv:
+    """One environment. `kwargs`: of TouchClassifyVectorEnv."""
+    return EpisodicEnv(TouchClassifyVectorEnv(1, autoreset_mode=AutoresetMode.DISABLED, **kwargs))
+
+
+make_vec = TouchClassifyVectorEnv

@@ -72,7 +72,7 @@ class TactileVectorEnv(EpisodicVectorEnv):
         outputs = outputs_of(observations, self.scene.sensor)
         self._environment: Environment | None = Environment(opened, self.scene, self.num_envs, outputs=outputs)
         self._period, self._num_frames = self._environment.control_period, self._environment.num_frames
-        self.step_time = self._period * self._environment.dt  #: s, simulated time of one step
+        self.step_time = self._period * self._environment.dt
         self.max_episode_steps = -(-(self._num_frames - 1) // self._period)  #: steps of an episode that is not terminated
         layout = self._environment.layout
         self._builder = ObservationBuilder(layout, observations, image_unit=image_unit, normalized=normalized, history=history, copy=copy)

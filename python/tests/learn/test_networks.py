@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import taxelsim
-from taxelsim.envs.tasks import TASKS
 from taxelsim.policies import OnnxPolicy, Policy
+from taxelsim.tasks import TASKS
 
 torch = pytest.importorskip("torch")
 

@@ -8,18 +8,17 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-import gymnasium
+from gymnasium.vector import AutoresetMode
 
 from ..._arguments import checked_names
+from ...tasks import DYNAMIC_TASKS
+from ..env import EpisodicEnv
 
 if TYPE_CHECKING:
     from .vector_env import DynamicVectorEnv
 
-DYNAMIC_TASKS = {"Push": "push", "Roll": "roll", "GraspHold": "grasp_hold", "PegInsert": "peg_insert"}
-"""Modules of this package by task."""
 
-
-def make_dynamic_vec(task: str, num_envs: int = 1, **kwargs: Any) -> DynamicVectorEnv:
+def make_vec(task: str, num_envs: int = 1, **kwargs: Any) -> DynamicVectorEnv:
     """A vector environment of a task with dynamics. `kwargs`: of DynamicVectorEnv. Raises ImportError without MuJoCo 4."""
     checked_names("task", task, tuple(DYNAMIC_TASKS))
     import_module("taxelsim.mujoco")  # says what to install
@@ -28,8 +27,6 @@ def make_dynamic_vec(task: str, num_envs: int = 1, **kwargs: Any) -> DynamicVect
     return envs
 
 
-def register_dynamics() -> None:
-    """Registers all tasks with Gymnasium, for `gymnasium.make_vec` only. Does nothing for those that are registered."""
-    for task in DYNAMIC_TASKS:
-        if f"taxelsim/{task}-v0" not in gymnasium.registry:
-            gymnasium.register(f"taxelsim/{task}-v0", vector_entry_point=f"{__name__}:make_dynamic_vec", kwargs={"task": task})
+def make_env(task: str, **kwargs: Any) -> EpisodicEnv:
+    """One environment of a task with dynamics. As make_vec()."""
+    return EpisodicEnv(make_vec(task, autoreset_mode=AutoresetMode.DISABLED, **kwargs))
