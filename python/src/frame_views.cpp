@@ -32,7 +32,8 @@ class Arrays {
   void add(const char* name, std::span<const T> values, std::vector<std::size_t> shape, const std::vector<std::size_t>& row) {
     if (values.empty()) return;
     shape.insert(shape.end(), row.begin(), row.end());
-    using Element = std::conditional_t<std::is_enum_v<T>, std::int32_t, T>;
+    // Counts are below 2^16, and libraries of tensors compute with signed integers.
+    using Element = std::conditional_t<std::is_enum_v<T> || std::is_same_v<T, std::uint32_t>, std::int32_t, T>;
     static_assert(sizeof(Element) == sizeof(T));
     const auto* const data = reinterpret_cast<const Element*>(values.data());
     arrays_[name] = nb::ndarray<nb::numpy, const Element>(data, shape.size(), shape.data(), owner_).cast();

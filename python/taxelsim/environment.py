@@ -11,9 +11,10 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._arguments import checked_count
+from ._arguments import checked_count, checked_names
 from ._arrays import Dimension, to_array
 from ._core import TASK_MEASURES, Device, OutputOptions, Scene, Sensor
+from ._counts import IMAGE_UNITS, newtons_of_counts
 from .errors import InputError
 from .frame import Arrays, BoolArray, FloatArray, Frame, IntArray
 
@@ -121,8 +122,7 @@ class EnvironmentLayout:
 
     def newtons_of_counts(self) -> FloatArray:
         """(saturation + 1): force (N) that reads each count on the nominal curve."""
-        readout = self.sensor.readout
-        return np.array([_core.nominal_force(readout, counts) for counts in range(self.saturation + 1)], np.float32)
+        return newtons_of_counts(self.sensor.readout)
 
 
 def frame_of(arrays: Mapping[str, Any], num_instances: int, num_sensors: int) -> EnvironmentFrame:
@@ -158,14 +158,18 @@ class Environment:
         num_instances: int = 1,
         *,
         outputs: OutputOptions | None = None,
+        image_unit: str = "counts",
         max_regions: int = 0,
     ) -> None:
         """Allocates all device memory. Raises InputError for a scene of another kind, and if the batch does not fit.
 
-        outputs: optional outputs of frames; default none. max_regions: rows of contact features for regions, 0 to 8.
+        outputs: optional outputs of frames; default none. image_unit: of frame.tactile_image, "counts", or "newtons" by the nominal curve.
+        max_regions: rows of contact features for regions, 0 to 8.
         """
+        checked_names("image_unit", image_unit, IMAGE_UNITS)
         self._scene = scene if isinstance(scene, Scene) else _core.load_scene(os.fspath(scene))
         self._batch = _core.Environment(device, self._scene, num_instances, outputs or NO_OUTPUTS, max_regions)
+        self._newtons = newtons_of_counts(self._scene.sensor.readout) if image_unit == "newtons" else None
         self._N: Dimension = (num_instances, "N")
 
     @property
@@ -228,7 +232,10 @@ class Environment:
 
     def observe(self) -> EnvironmentFrame:
         """The latest frame."""
-        return frame_of(self._batch.arrays(), self.num_instances, self._batch.num_sensors)
+        arrays = self._batch.arrays()
+        if self._newtons is not None:
+            arrays["frame"]["tactile_image"] = self._newtons[arrays["frame"]["tactile_image"]]
+        return frame_of(arrays, self.num_instances, self._batch.num_sensors)
 
     def task_state(self) -> TaskState:
         """State of the task at the latest frame. Raises InputError for a scene without a task."""

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
 FloatArray = npt.NDArray[np.float32]
 IntArray = npt.NDArray[np.int32]
-CountArray = npt.NDArray[np.uint32]
 BoolArray = npt.NDArray[np.bool_]
 
 
@@ -185,8 +184,9 @@ class Frame(Features):
     _nested: ClassVar = {"contact": ContactFeatures, "jacobian": TactileJacobian, "ground_truth": GroundTruth}
     _requests: ClassVar = {"taxel_counts": "taxel_counts", "contact": "contact_features", "jacobian": "tactile_jacobian"}
 
-    tactile_image: CountArray
-    """(N, num_rows, num_cols), counts; (N, num_taxels) for sensors of several patches."""
+    tactile_image: IntArray | FloatArray
+    """(N, num_rows, num_cols), counts, int32; (N, num_taxels) for sensors of several patches. With image_unit="newtons" N by the nominal
+    curve, float32: an array of its own, which read() fills."""
     taxel_counts: IntArray
     """(N, num_rows, num_cols, 3), counts of three-axis taxels along x, y and the normal, if requested; (N, num_taxels, 3) for sensors of
     several patches."""

@@ -9,8 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from ._arguments import checked_names
 from ._arrays import Dimension, to_array
 from ._core import DeviceTraffic, MemoryPlan, Model, OutputOptions, SimulatorOptions, StepTiming
+from ._counts import IMAGE_UNITS, NewtonImage
 from .errors import InputError
 from .frame import Frame
 from .gradients import Gradient
@@ -34,6 +36,7 @@ class Simulator:
         num_slots: int = 1,
         seed: int = 0,
         outputs: OutputOptions | None = None,
+        image_unit: str = "counts",
         max_contacts: int = 0,
         max_regions: int = 0,
         contact_band: float = 1e-4,
@@ -46,6 +49,7 @@ class Simulator:
         num_slots: S, objects per instance, 1 to 8.
         seed: key of all random numbers.
         outputs: optional outputs; default OutputOptions().
+        image_unit: of frame.tactile_image, "counts", or "newtons" by the nominal curve.
         max_contacts: capacity for contact points of one instance, 0 to 4096. Above 0 the simulator takes contact points, no objects or
             loads; penetration_depth is then not available and must be off.
         max_regions: rows of contact features for regions, 0 to 8.
@@ -54,6 +58,7 @@ class Simulator:
         """
         if outputs is None:
             outputs = OutputOptions(penetration_depth=max_contacts == 0)
+        checked_names("image_unit", image_unit, IMAGE_UNITS)
         self._model = model
         self._options = SimulatorOptions(
             num_instances=num_instances,
@@ -66,7 +71,9 @@ class Simulator:
             device_clock=device_clock,
         )
         self._batch = _core.Simulator(model, self._options)
-        self._frame = Frame(self._batch.arrays())
+        arrays = self._batch.arrays()
+        self._newtons = NewtonImage(arrays["tactile_image"], model.sensor.readout) if image_unit == "newtons" else None
+        self._frame = Frame(arrays if self._newtons is None else {**arrays, "tactile_image": self._newtons.array})
 
     @staticmethod
     def plan(model: Model, options: SimulatorOptions) -> MemoryPlan:
@@ -226,6 +233,8 @@ class Simulator:
         Every call returns the same object. Raises DeviceError if the device was lost.
         """
         self._batch.read()
+        if self._newtons is not None:
+            self._newtons.update()
         return self._frame
 
     def vjp(self, cotangent: npt.ArrayLike, gain: npt.ArrayLike = 1.0) -> Gradient:

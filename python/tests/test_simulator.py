@@ -21,7 +21,7 @@ def stepped(simulator: taxelsim.Simulator, poses: np.ndarray) -> taxelsim.Frame:
 def test_arrays_have_the_batch_first_and_are_read_only(simulator, poses):
     frame = stepped(simulator, poses)
     assert frame.tactile_image.shape == (N, 6, 14)
-    assert frame.tactile_image.dtype == np.uint32
+    assert frame.tactile_image.dtype == np.int32
     assert frame.center_of_pressure.shape == (N, 3)
     assert frame.ground_truth.tactile_shear_force.shape == (N, 6, 14, 2)
     assert frame.ground_truth.contact_wrench.shape == (N, 6)

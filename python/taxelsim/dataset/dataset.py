@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._arguments import checked_count
+from .._arguments import checked_count, checked_names
+from .._counts import IMAGE_UNITS
 from ..errors import InputError
 from .checksums import Stamp, remember, verified_files
 from .column import Column, texts_of
@@ -127,14 +128,16 @@ class Dataset:
         values = self._values(infos, rows, lambda: np.searchsorted(self._layout.episode_ends, rows, side="right"))
         return {name: array[0] for name, array in values.items()} if is_single else values
 
-    def windows(self, length: int, stride: int = 1, columns: Sequence[str] | None = None) -> Windows:
+    def windows(self, length: int, stride: int = 1, columns: Sequence[str] | None = None, *, image_unit: str = "counts") -> Windows:
         """All windows of `length` frames inside an episode, which start `stride` frames apart, as a map-style data set of PyTorch.
 
         columns: names; None for all in data/. Episodes shorter than `length` have no window.
+        image_unit: of tactile images, "counts", int32, or "newtons" by the nominal curve of their sensor, float32.
         """
+        checked_names("image_unit", image_unit, IMAGE_UNITS)
         names = [name for name in self.columns if name.startswith("data/")]
         chosen = tuple(info.name for info in self._chosen(columns, names))
-        return windows_class()(self, checked_count("length", length), checked_count("stride", stride), chosen)
+        return windows_class()(self, checked_count("length", length), checked_count("stride", stride), chosen, image_unit)
 
     def _column(self, name: str) -> ColumnInfo:
         info = self._layout.columns.get(name) if isinstance(name, str) else None

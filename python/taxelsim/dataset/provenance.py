@@ -3,10 +3,18 @@
 from __future__ import annotations
 
 import hashlib
+import json
+import re
+import tempfile
+import textwrap
 from dataclasses import dataclass
 from pathlib import Path
 
 from .. import _core
+
+# A sensor of a resolved scene, and the name of an item of a list, which comes before its sensor.
+_SENSOR = re.compile(r"^(?P<indent> *)sensor:\n(?P<settings>(?:(?P=indent)  .*\n)+)", re.MULTILINE)
+_ITEM = re.compile(r"^ *- name: (.*)$", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -36,3 +44,14 @@ class Provenance:
     def scene_sha256(self) -> str:
         """SHA-256 of the text of the scene."""
         return hashlib.sha256(self.scene.encode()).hexdigest()
+
+    def sensors(self) -> dict[str, _core.Sensor]:
+        """The sensors of the scene: of kind grasp by name, else one under ""."""
+        result = {}
+        with tempfile.TemporaryDirectory() as folder:
+            for found in _SENSOR.finditer(self.scene):
+                file = Path(folder, "sensor.yaml")
+                file.write_text("format_version: 1\n" + textwrap.dedent(found["settings"]), encoding="utf-8")
+                name = _ITEM.findall(self.scene, 0, found.start())[-1] if found["indent"] else ""
+                result[json.loads(name) if name.startswith('"') else name] = _core.load_sensor(file)
+        return result

@@ -8,7 +8,10 @@ from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from .._counts import newtons_of_counts
+from .provenance import Provenance
 from .rows import checked_index
 
 if TYPE_CHECKING:
@@ -20,14 +23,18 @@ class Windows:
     torch.utils.data.DataLoader with any number of workers.
 
     windows[i] is a dict by name of column: arrays (length, ...) of columns in data/, one value of columns in meta/. Every array is a copy.
+    Counts and all other integers that have 16 bits in the file are int32, with which libraries of tensors compute.
     """
 
-    def __init__(self, dataset: Dataset, length: int, stride: int, columns: tuple[str, ...]) -> None:
+    def __init__(self, dataset: Dataset, length: int, stride: int, columns: tuple[str, ...], image_unit: str) -> None:
         self.dataset = dataset
         self.length = length
         self.stride = stride
         self.columns = columns
+        self.image_unit = image_unit
         self._infos = dataset._chosen(columns, columns)
+        images = [name for name in columns if name.endswith("/tactile_image")] if image_unit == "newtons" else []
+        self._newtons = _tables_of(dataset, images) if images else {}
         ends = dataset.episode_ends
         begins = np.concatenate(([0], ends[:-1])) if len(ends) else ends
         counts = np.maximum((ends - begins - length) // stride + 1, 0)
@@ -41,7 +48,13 @@ class Windows:
     def __getitem__(self, index: int) -> dict[str, Any]:
         index = checked_index(f"{self.dataset.folder}: windows", index, len(self))
         first = int(self.starts[index])
-        return self.dataset._range(self._infos, int(self.episodes[index]), first, first + self.length)
+        values = self.dataset._range(self._infos, int(self.episodes[index]), first, first + self.length)
+        return {name: self._converted(name, value) for name, value in values.items()}
+
+    def _converted(self, name: str, value: Any) -> Any:
+        if name in self._newtons:
+            return self._newtons[name][value]
+        return value.astype(np.int32) if value.dtype in (np.uint16, np.int16) else value
 
     def __iter__(self) -> Iterator[dict[str, Any]]:
         return (self[index] for index in range(len(self)))
@@ -50,7 +63,14 @@ class Windows:
         return f"<Windows {self.dataset.folder}: {len(self)} windows of {self.length} frames, stride {self.stride}>"
 
     def __reduce__(self) -> Any:
-        return _unpickle, (self.dataset, self.length, self.stride, self.columns)
+        return _unpickle, (self.dataset, self.length, self.stride, self.columns, self.image_unit)
+
+
+def _tables_of(dataset: Dataset, columns: list[str]) -> dict[str, NDArray[np.float32]]:
+    """Newtons of each count of the tactile images in `columns`, data/tactile_image or data/SENSOR/tactile_image."""
+    sensors = Provenance.of(dataset.folder).sensors()
+    names = {column: column.removeprefix("data/").removesuffix("tactile_image").rstrip("/") for column in columns}
+    return {column: newtons_of_counts(sensors[name].readout) for column, name in names.items()}
 
 
 @cache
@@ -64,5 +84,5 @@ def windows_class() -> type[Windows]:
     return Windows if base is None else _torch_class(base)
 
 
-def _unpickle(dataset: Dataset, length: int, stride: int, columns: tuple[str, ...]) -> Windows:
-    return windows_class()(dataset, length, stride, columns)
+def _unpickle(dataset: Dataset, length: int, stride: int, columns: tuple[str, ...], image_unit: str) -> Windows:
+    return windows_class()(dataset, length, stride, columns, image_unit)

@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 
 from .._arguments import checked_count, checked_names
 from .._core import OutputOptions, Sensor
+from .._counts import IMAGE_UNITS
 from ..environment import NO_OUTPUTS, EnvironmentFrame, EnvironmentLayout
 from ..errors import InputError
 
@@ -97,7 +98,7 @@ def _start_contact(layout: EnvironmentLayout) -> _Block:
 def _counts(layout: EnvironmentLayout) -> _Block:
     shape = (*_sensors(layout), *layout.image_shape)
     bounds = Bounds(np.zeros(shape, np.int32), np.full(shape, layout.saturation, np.int32))
-    return _Block(bounds, np.array(layout.saturation, np.float32), lambda frame: frame.tactile_image.view(np.int32), live=True)
+    return _Block(bounds, np.array(layout.saturation, np.float32), lambda frame: frame.tactile_image, live=True)
 
 
 def _largest_count(sensor: Sensor) -> int:
@@ -176,7 +177,7 @@ class ObservationBuilder:
         copy: bool = True,
     ) -> None:
         self.names = checked_names("observations", names, OBSERVATIONS)
-        checked_names("image_unit", image_unit, ("counts", "newtons"))
+        checked_names("image_unit", image_unit, IMAGE_UNITS)
         makers = {
             "contact": _contact,
             "tactile_image": _counts if image_unit == "counts" else _newtons,

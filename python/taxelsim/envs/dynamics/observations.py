@@ -37,7 +37,7 @@ def tactile(name: str, frame: Frame) -> NDArray[Any]:
     if name == "contact":
         return np.column_stack((frame.center_of_pressure, frame.total_force)).astype(np.float32)
     if name == "tactile_image":
-        return frame.tactile_image.astype(np.int32)
+        return np.array(frame.tactile_image)
     if name == "shear":
         return truth.contact_wrench[:, [0, 1, 5]].astype(np.float32)  # on a flat skin only friction acts along x and y and about z
     if name == "shear_image":
