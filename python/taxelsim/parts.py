@@ -11,7 +11,7 @@ from ._core import Device, Evaluation, Progress
 from ._files import write_whole
 from .errors import InputError
 from .policies.policy import PolicyLike, as_policy
-from .runs import ScenePath, loaded_scene, policy_argument, policy_calls
+from .runs import ScenePath, as_names, loaded_scene, policy_argument, policy_calls
 
 
 class EvaluationPart:
@@ -68,7 +68,7 @@ class EvaluationPart:
     def check(
         self,
         scene: ScenePath,
-        controllers: Sequence[str] = (),
+        controllers: str | Sequence[str] = (),
         *,
         policy: PolicyLike | None = None,
         device: Device | None = None,
@@ -81,7 +81,7 @@ class EvaluationPart:
         loaded = loaded_scene(scene)
         _core.check_evaluation_part(name, self._core, loaded)
         played = None if policy is None else as_policy(policy)
-        expected = ([] if played is None else [played.name]) + list(controllers or (loaded.controllers if played is None else ()))
+        expected = ([] if played is None else [played.name]) + as_names(controllers or (loaded.controllers if played is None else ()))
         pairs = [("policy", self.policy or "none", (played and played.identity) or "none")]
         pairs.append(("set of controllers", ", ".join(self.controllers), ", ".join(expected)))
         if device is not None:
@@ -105,7 +105,7 @@ class EvaluationPart:
 
 def evaluate_part(
     scene: ScenePath,
-    controllers: Sequence[str] = (),
+    controllers: str | Sequence[str] = (),
     *,
     episodes: range,
     policy: PolicyLike | None = None,
@@ -129,13 +129,13 @@ def evaluate_part(
     argument = policy_argument(policy_calls(policy, loaded))
     limits = (episodes.start, episodes.stop)
     opened = device or Device.open()
-    return EvaluationPart(_core.evaluate_part(opened, loaded, list(controllers), limits, batch_size, num_slices, on_progress, argument))
+    return EvaluationPart(_core.evaluate_part(opened, loaded, as_names(controllers), limits, batch_size, num_slices, on_progress, argument))
 
 
 def merge_evaluations(
     scene: ScenePath,
     parts: Iterable[EvaluationPart | str | os.PathLike[str]],
-    controllers: Sequence[str] = (),
+    controllers: str | Sequence[str] = (),
     *,
     policy: PolicyLike | None = None,
 ) -> list[Evaluation]:

@@ -29,6 +29,11 @@ def loaded_scene(scene: ScenePath) -> Scene:
     return scene if isinstance(scene, Scene) else _core.load_scene(os.fspath(scene))
 
 
+def as_names(names: str | Sequence[str]) -> list[str]:
+    """The names as a list; a text is one name."""
+    return [names] if isinstance(names, str) else list(names)
+
+
 def policy_calls(policy: PolicyLike | None, scene: Scene) -> PolicyCalls | None:
     """The calls of the policy in the scene."""
     return None if policy is None else PolicyCalls(as_policy(policy), scene)
@@ -102,7 +107,7 @@ def finish(out: str | os.PathLike[str], *, card: bool = False, license_id: str =
 
 def evaluate(
     scene: ScenePath,
-    controllers: Sequence[str] = (),
+    controllers: str | Sequence[str] = (),
     *,
     policy: PolicyLike | None = None,
     save_failures: str | os.PathLike[str] | None = None,
@@ -115,7 +120,7 @@ def evaluate(
     """Plays the same episodes of the scene with a policy and with controllers of the scene, and judges them by the scene's task.
 
     scene: a Scene, or the path of a scene file.
-    controllers: names as in the scene; empty for all, or for none if there is a policy.
+    controllers: a name, or names, as in the scene; empty for all, or for none if there is a policy.
     policy: any function of a batch of observations, a taxelsim.Policy, or the path of an ONNX file. Its Evaluation is the first. Called in
         this thread; an exception that it raises ends the run and continues.
     save_failures: new or empty directory for a data set of the first `max_failures` episodes in which the policy fails, for
@@ -125,7 +130,8 @@ def evaluate(
 
     Ctrl-C raises Interrupted, a KeyboardInterrupt; its `partial` has the evaluations that are complete.
     """
-    loaded, folder = loaded_scene(scene), None if save_failures is None else Path(save_failures)
+    loaded, names = loaded_scene(scene), as_names(controllers)
+    folder = None if save_failures is None else Path(save_failures)
     calls = policy_calls(policy, loaded)
     if folder is not None:
         if calls is None:
@@ -134,7 +140,7 @@ def evaluate(
     opened = device or Device.open()
     complete: list[Evaluation] = []
     try:
-        complete += _core.evaluate(opened, loaded, list(controllers), batch_size, num_slices, on_progress, policy_argument(calls), complete)
+        complete += _core.evaluate(opened, loaded, names, batch_size, num_slices, on_progress, policy_argument(calls), complete)
         if folder is not None and calls is not None:
             failed = failed_episodes(complete[0])[:max_failures]
             if len(failed):

@@ -156,6 +156,18 @@ def test_environments_and_windows_have_the_same_counts_and_newtons(device, tmp_p
 
 # == evaluate() takes the name of one controller ==
 
+
+def test_one_name_is_one_controller(device, tmp_path):
+    scene = taxelsim.load_scene(write_scene(tmp_path), num_episodes=2)
+    one, several = (taxelsim.evaluate(scene, names, device=device) for names in ("servo", ["servo"]))
+    assert [evaluation.controller for evaluation in one] == ["servo"]
+    assert one[0].verdicts["travel"].tobytes() == several[0].verdicts["travel"].tobytes()
+    parts = [taxelsim.evaluate_part(scene, "servo", episodes=range(k, k + 1), device=device) for k in range(2)]
+    assert [evaluation.controller for evaluation in taxelsim.merge_evaluations(scene, parts, "servo")] == ["servo"]
+    with pytest.raises(taxelsim.InputError, match=r"short\.yaml: controller window: not in this scene; it has servo$"):
+        taxelsim.evaluate(scene, "window", device=device)
+
+
 # == observe() refuses the data of another model ==
 
 # == The benchmark page shows a policy that was trained to its end ==

@@ -23,7 +23,7 @@ std::vector<int> numbersOf(const Scene& scene, const std::vector<std::string>& n
     const auto found = std::find_if(scene.controllers.begin(), scene.controllers.end(),
                                     [&](const SceneController& controller) { return controller.name == name; });
     if (found == scene.controllers.end()) {
-      throw Error(ErrorKind::kInput, scene.file.generic_string() + ": --controller " + name + ": not in this scene; it has " + known);
+      throw Error(ErrorKind::kInput, scene.file.generic_string() + ": controller " + name + ": not in this scene; it has " + known);
     }
     numbers.push_back(static_cast<int>(found - scene.controllers.begin()));
   }

@@ -99,7 +99,7 @@ TEST_F(Evaluate, WarnsOfObjectsThatCannotCarryTheLoad) {
 }
 
 TEST_F(Evaluate, RejectsUnknownControllersAndScenesWithoutTask) {
-  expectRefused(runTaxelsim({"evaluate", scene_, "--controller", "slow"}), "--controller slow: not in this scene; it has fast, none");
+  expectRefused(runTaxelsim({"evaluate", scene_, "--controller", "slow"}), "controller slow: not in this scene; it has fast, none");
   expectRefused(runTaxelsim({"evaluate", std::string(TAXELSIM_SOURCE_DIR) + "/scenes/edge_servo.yaml"}),
                 "this scene has no `task`, which `evaluate` needs");
   expectRefused(runTaxelsim({"evaluate", scene_, "--episodes", "0"}), "--episodes");

@@ -227,7 +227,7 @@ TEST_F(Workers, NumbersThatAreNoneAreRefused) {
     expectRefused(runTaxelsim(generating("out", {"--workers", value})), "--workers: ");
     expectRefused(runTaxelsim(evaluating({"--workers", value})), "--workers: ");
   }
-  expectRefused(runTaxelsim(evaluating({"--workers", "2", "--controller", "unknown"})), "--controller unknown: not in this scene");
+  expectRefused(runTaxelsim(evaluating({"--workers", "2", "--controller", "unknown"})), "controller unknown: not in this scene");
   expectRefused(runTaxelsim({"generate", TAXELSIM_SOURCE_DIR "/scenes/gripper_grasp.yaml", "-o", root_ / "out", "--workers", "2"}),
                 "--workers: 2 found, one process makes the data set of a scene of kind grasp");
   EXPECT_FALSE(std::filesystem::exists(root_ / "out"));

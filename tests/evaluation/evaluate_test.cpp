@@ -176,7 +176,7 @@ TEST(Evaluate, RejectsUnknownControllersAndScenesWithoutTask) {
     }
     return std::string("no refusal");
   };
-  EXPECT_THAT(refusal(alignScene(), {"none"}), testing::HasSubstr("--controller none: not in this scene; it has exact, idle"));
+  EXPECT_THAT(refusal(alignScene(), {"none"}), testing::HasSubstr("controller none: not in this scene; it has exact, idle"));
   Scene scene = alignScene();
   scene.task.reset();
   EXPECT_THAT(refusal(scene, {}), testing::HasSubstr("this scene has no `task`"));

@@ -15,7 +15,7 @@ from ..errors import InputError
 from ..parts import EvaluationPart, merge_evaluations
 from ..policies.policy import PolicyLike
 from ..progress_line import ProgressLine
-from ..runs import ScenePath, loaded_scene, policy_calls
+from ..runs import ScenePath, as_names, loaded_scene, policy_calls
 from .cluster import Workers, connected, slots
 from .episodes import EpisodeJob, Played, kind_of, play_episodes
 from .node import SceneName, pickled
@@ -27,7 +27,7 @@ _PARTS = re.compile(r"episodes-\d{8}-\d{8}\.json")  # as `taxelsim evaluate --pa
 
 def evaluate(
     scene: ScenePath,
-    controllers: Sequence[str] = (),
+    controllers: str | Sequence[str] = (),
     *,
     policy: PolicyLike | None = None,
     parts: str | os.PathLike[str] | None = None,
@@ -60,7 +60,8 @@ def evaluate(
     needs.needs()
     if not loaded.has_task:
         raise InputError(f"{loaded.file}: has no task by which episodes could be judged")
-    for name in controllers:
+    names = as_names(controllers)
+    for name in names:
         if name not in loaded.controllers:
             raise InputError(f"controllers: {name} found, the scene has {', '.join(loaded.controllers)}")
     calls = policy_calls(policy, loaded)
@@ -71,12 +72,12 @@ def evaluate(
         policy=pickled(chosen),
         batch_size=batch_size,
         num_slices=num_slices,
-        controllers=tuple(controllers),
+        controllers=tuple(names),
     )
     store = None if parts is None else _Store(os.fspath(parts), storage_options or {})
     found = store.load() if store else {}
     for name, part in found.items():
-        part.check(loaded, controllers, policy=chosen, name=name)
+        part.check(loaded, names, policy=chosen, name=name)
     line = ProgressLine("episodes")
     run = _Run(loaded, job, Tasks(play_episodes, needs, max_retries), on_progress or line.show, store, list(found.values()))
     if run.missing():
@@ -85,7 +86,7 @@ def evaluate(
                 run.complete(task_seconds)
             finally:
                 line.end()
-    return merge_evaluations(loaded, run.parts, controllers, policy=chosen)
+    return merge_evaluations(loaded, run.parts, names, policy=chosen)
 
 
 class _Store:
