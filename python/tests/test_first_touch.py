@@ -170,6 +170,40 @@ def test_one_name_is_one_controller(device, tmp_path):
 
 # == observe() refuses the data of another model ==
 
+
+@pytest.mark.parametrize(
+    ("geom", "pad", "field"),
+    [
+        ('<geom name="ball" size=".012"/>', "", "geom_size"),
+        ('<geom name="ball" type="box" size=".01 .01 .01"/>', "", "geom_type"),
+        ('<geom name="ball" size=".01" pos="0 0 .001"/>', "", "geom_pos"),
+        ('<geom name="ball" size=".01"/>', '<site pos="0 0 .01"/>', "nsite"),
+    ],
+)
+def test_data_of_another_model_of_the_same_size(device, geom, pad, field):
+    tactile = taxelsim.mujoco.attach(models.scene(), {"palm": models.WTS}, ["ball"], device=device)
+    other = models.scene(geom, pad)
+    for source in (mujoco.MjData(other), mujoco.batch.Batch(other, 1)):
+        with pytest.raises(taxelsim.InputError, match=rf"^{type(source).__name__} of another model: {field} "):
+            tactile.observe(source)
+
+
+def test_copies_of_a_model_may_have_other_masses_unless_the_skin_pushes(device):
+    model, heavy = models.scene(), models.scene('<geom name="ball" size=".01" mass="3"/>')
+    sensors, geoms = {"palm": models.WTS}, ["ball"]
+    tactile = taxelsim.mujoco.attach(model, sensors, geoms, num_instances=2, device=device)
+    data = mujoco.MjData(model)
+    models.place(model, data, (0, 0, 0.0095, 1, 0, 0, 0))
+    twin = mujoco.MjData(heavy)
+    twin.qpos[:] = data.qpos
+    forces = tactile.observe([data, twin])["palm"].total_force
+    assert forces[0] == forces[1] > 0
+    free = [f'<geom name="ball" size=".01" contype="0" conaffinity="0" mass="{mass}"/>' for mass in (1, 3)]
+    coupling = taxelsim.mujoco.couple(models.scene(free[0]), sensors, geoms, device=device)
+    with pytest.raises(taxelsim.InputError, match=r"^MjData of another model: body_mass differs from that of the attached model$"):
+        coupling.step(mujoco.MjData(models.scene(free[1])))
+
+
 # == The benchmark page shows a policy that was trained to its end ==
 
 # == Runs that touch nothing say so ==

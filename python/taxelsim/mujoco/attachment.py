@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from os import PathLike
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -30,6 +30,7 @@ def attach(
     device: Device | None = None,
     seed: int = 0,
     outputs: OutputOptions | None = None,
+    image_unit: str = "counts",
     max_regions: int = 0,
 ) -> Attachment:
     """Sensors at sites of a mujoco.MjModel, touched by its geoms. Reads shapes from the model, no files.
@@ -38,13 +39,12 @@ def attach(
     geoms: names, or numbers, of the geoms that touch them; default: all but those on the body of the sensor. A plane is infinite, a mesh
         touches with its triangles and not with its convex hull, an ellipsoid becomes a mesh within 10 um.
     num_instances: N, simulations that observe() takes.
-    device, seed, outputs, max_regions: as for Model and Simulator; default: the best device.
+    device, seed, outputs, image_unit, max_regions: as for Model and Simulator; default: the best device.
 
     Raises InputError for a site or geom that is not in the model, a geom that taxelsim has no shape for, no geoms, or a wrong sensor.
     """
-    return Attachment(
-        *read_model(model, sensors, geoms, device), num_instances, {"seed": seed, "outputs": outputs, "max_regions": max_regions}
-    )
+    options = {"seed": seed, "outputs": outputs, "image_unit": image_unit, "max_regions": max_regions}
+    return Attachment(*read_model(model, sensors, geoms, device), num_instances, options)
 
 
 def read_model(
@@ -61,6 +61,8 @@ def read_model(
 
 class Attachment:
     """Sensors at the sites of one MjModel. Made by attach()."""
+
+    _moves_bodies: ClassVar = False
 
     def __init__(
         self,
@@ -95,7 +97,7 @@ class Attachment:
             )
             for name, sensor in sensors.items()
         }
-        self._kinematics = Kinematics(model, num_instances)
+        self._kinematics = Kinematics(model, num_instances, with_masses=self._moves_bodies)
 
     def observe(self, source: Sources, dt: float | None = None, instances: npt.ArrayLike | None = None) -> dict[str, Frame]:
         """Frames of all sensors, by site, at the present state (qpos, mocap_pos, mocap_quat) of the simulations.
@@ -109,7 +111,7 @@ class Attachment:
 
         The frames are arrays over the memory of the simulators, valid until the next call; frame.copy() keeps them. On a skin with
         friction, shear follows from the motion between calls; call reset() after a jump. Raises InputError for another number of
-        simulations, another model, or more than eight geoms near a sensor.
+        simulations, a model with other bodies, joints, geoms or sites, or more than eight geoms near a sensor. Masses may differ.
         """
         self._kinematics.update(source)
         step = float(self.model.opt.timestep) if dt is None else dt

@@ -56,6 +56,7 @@ def couple(
     device: Device | None = None,
     seed: int = 0,
     outputs: OutputOptions | None = None,
+    image_unit: str = "counts",
     max_regions: int = 0,
 ) -> Coupling:
     """As attach(), but the skins push the bodies: MuJoCo's time steps are taken by Coupling.step().
@@ -65,13 +66,14 @@ def couple(
 
     Raises InputError as attach(), and for a sensor of law proximity, collisions that are on, and another integrator.
     """
-    return Coupling(
-        *read_model(model, sensors, geoms, device), num_instances, {"seed": seed, "outputs": outputs, "max_regions": max_regions}
-    )
+    options = {"seed": seed, "outputs": outputs, "image_unit": image_unit, "max_regions": max_regions}
+    return Coupling(*read_model(model, sensors, geoms, device), num_instances, options)
 
 
 class Coupling(Attachment):
     """Sensors at the sites of one MjModel that push the bodies which touch them. Made by couple()."""
+
+    _moves_bodies = True
 
     def __init__(
         self,
@@ -100,7 +102,7 @@ class Coupling(Attachment):
         """Wrenches (N, G, 6) on each sensor by each geom during the last time step, N and N m, at the origin of S in S."""
 
     def observe(self, source: Sources, dt: float | None = None, instances: npt.ArrayLike | None = None) -> dict[str, Frame]:
-        """As Attachment.observe(). Needed only for first frames; step() returns frames."""
+        """As Attachment.observe(), but masses may not differ. Needed only for first frames; step() returns frames."""
         step = float(self.model.opt.timestep) if dt is None else dt
         self._frames = super().observe(source, step, instances)
         self._update(step, instances)
@@ -135,7 +137,7 @@ class Coupling(Attachment):
 
         A state that the caller has changed since the last call is observed first. `wrenches` has the wrenches that acted in the last step:
         while a contact moves they are damped and differ from frame.ground_truth.contact_wrench, the wrench at the pose of the frame.
-        Raises InputError as observe().
+        Raises InputError as observe(), and for a model with other masses.
         """
         engine = engine_of(source)
         self._kinematics.update(source)

@@ -15,10 +15,14 @@ from ..errors import InputError
 
 Array = NDArray[np.float64]
 
-# Model fields that may differ between the simulations of a Batch and change poses or mass matrices.
-MODEL_FIELDS = [f"{kind}_{field}" for kind in ("body", "geom", "site") for field in ("pos", "quat", "sameframe")]
-MODEL_FIELDS += ["body_ipos", "body_iquat", "jnt_pos", "jnt_axis", "qpos0", "body_mass", "body_inertia"]
-MODEL_FIELDS += ["body_subtreemass", "dof_armature", "dof_damping", "dof_M0"]
+# Model fields that may differ between the simulations of a Batch.
+POSE_FIELDS = [f"{kind}_{field}" for field in ("pos", "quat") for kind in ("body", "geom", "site")]
+POSE_FIELDS += ["jnt_pos", "jnt_axis", "qpos0"]
+DERIVED_FIELDS = ["body_sameframe", "geom_sameframe", "site_sameframe"]  # of poses and masses
+MASS_FIELDS = ["body_ipos", "body_iquat", "body_mass", "body_inertia", "body_subtreemass", "dof_armature", "dof_damping", "dof_M0"]
+# Fields that may not: the tree and the shapes.
+STRUCTURE_FIELDS = ["body_parentid", "body_jntadr", "jnt_type", "geom_bodyid", "site_bodyid"]
+STRUCTURE_FIELDS += ["geom_type", "geom_size", "geom_dataid", "mesh_vertadr", "mesh_vert", "mesh_face"]
 
 
 def product(p: Array, q: Array) -> Array:
@@ -40,8 +44,11 @@ class Kinematics:
     A Batch of its own without collisions, constraints and sensors takes their state: their derived fields stay as they are.
     """
 
-    def __init__(self, model: Any, num_instances: int) -> None:
+    def __init__(self, model: Any, num_instances: int, *, with_masses: bool) -> None:
+        """with_masses: whether the simulations must have the masses of the model."""
         self.model = model
+        self._fields = [*STRUCTURE_FIELDS, *POSE_FIELDS, *(MASS_FIELDS if with_masses else ())]
+        self._equal_models = {model._address: model}
         bare = copy.copy(model)
         off = mujoco.mjtDisableBit
         bare.opt.disableflags |= int(off.mjDSBL_CONTACT | off.mjDSBL_CONSTRAINT | off.mjDSBL_SENSOR)
@@ -70,7 +77,7 @@ class Kinematics:
             raise InputError("Batch with set_models(): its shapes may differ from those of the attached model")
         if source.expanded("geom_size") is not None:
             raise InputError("Batch with expanded geom_size: all simulations must have the shapes of the attached model")
-        for name in MODEL_FIELDS:
+        for name in [*POSE_FIELDS, *DERIVED_FIELDS, *MASS_FIELDS]:
             values = source.expanded(name)
             if values is not None:
                 self.batch.expand(name)[:] = values
@@ -91,6 +98,12 @@ class Kinematics:
         for name, found, expected in sizes:
             if found != expected:
                 raise InputError(f"{kind} of another model: {name} is {found}, {expected} in the attached model")
+        if model._address in self._equal_models:
+            return
+        for name in self._fields:
+            if not np.array_equal(getattr(model, name), getattr(self.model, name)):
+                raise InputError(f"{kind} of another model: {name} differs from that of the attached model")
+        self._equal_models[model._address] = model
 
     def relative(self, site: int, geoms: Sequence[int], R_GO: Array) -> Array:
         """X_SO (N, G, 7) of geoms in the frame of a site. R_GO (G, 4): rotations of the objects in the frames of their geoms."""
