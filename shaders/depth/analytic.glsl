@@ -6,6 +6,10 @@ bool isKind(uint kind, uint wanted) { return OBJECT_KINDS == (1u << wanted) || (
 
 const float kBottomless = -1e30;
 
+// A half-space looks down on a sample if the z of its unit normal exceeds this. One that does not is at full depth where it holds the sample, and nowhere else: a
+// floor behind the sensor or a wall beside it does not press.
+const float kLeastDescent = 1e-6;
+
 // Rays go along z of P. Their points are o + t d in O, where t = 0 is at the height of O's origin; `from`: the ray from O's origin, across, in P. What does not
 // depend on the ray, such as reciprocals, compilers move out of loops over samples.
 //
@@ -120,8 +124,8 @@ float analyticEntry(uint kind, vec4 parameters, Affine X_PO, vec2 from) {
     inside = both(both(slab(o.x, d.x, -parameters.x, parameters.x), slab(o.y, d.y, -parameters.y, parameters.y)),
                   slab(o.z, d.z, -parameters.z, parameters.z));
   } else if (isKind(kind, kKindHalfSpace)) {
-    if (d.z > 1e-9) return -o.z / d.z;
-    return d.z < -1e-9 || o.z >= 0.0 ? kBottomless : kMiss;
+    if (d.z > kLeastDescent) return -o.z / d.z;
+    return o.z >= d.z * X_PO.row2.w ? kBottomless : kMiss;
   } else if (isKind(kind, kKindCone)) {
     inside = insideCone(o, d, parameters.x, parameters.y);
   } else if (isKind(kind, kKindTorus)) {

@@ -1,6 +1,7 @@
 #include "reference/frame.h"
 
 #include "reference/area_depth.h"
+#include "reference/linked_foundation.h"
 #include "reference/pasternak.h"
 #include "reference/psf.h"
 
@@ -31,7 +32,12 @@ void solveElasticLayer(const Sensor& sensor, const FrameInput& input, const Skin
 
 // The same for law Pasternak, which has no shear.
 void solvePasternak(const Sensor& sensor, const FrameInput& input, Frame& frame) {
-  takeSolution(input.load ? loadedFoundationContact(sensor, input.objects, *input.load) : foundationContact(sensor, input.objects), frame);
+  const bool is_linked = sensor.patches.size() > 1;
+  if (input.load) {
+    takeSolution((is_linked ? loadedLinkedContact : loadedFoundationContact)(sensor, input.objects, *input.load), frame);
+  } else {
+    takeSolution((is_linked ? linkedContact : foundationContact)(sensor, input.objects), frame);
+  }
   frame.shear.taxel_force.assign(static_cast<std::size_t>(numTaxels(sensor)), {});
 }
 

@@ -148,7 +148,10 @@ double firstHit(const Box& box, const Vector3& origin, const Vector3& direction)
 }
 
 double firstHit(const HalfSpace&, const Vector3& origin, const Vector3& direction) {
-  return startOf(insideSlab(origin[2], direction[2], 0, kInfinity));
+  // One that does not look down on the ray's origin, which is on the skin, is under it without end where it holds it.
+  constexpr double kLeastDescent = 1e-6;
+  if (direction[2] > kLeastDescent * length(direction)) return -origin[2] / direction[2];
+  return origin[2] >= 0 ? -kInfinity : kInfinity;
 }
 
 double firstHit(const Cone& cone, const Vector3& origin, const Vector3& direction) {

@@ -106,14 +106,21 @@ CellSums integralsOver(Facet facet, uint which, float area, vec2 center, vec3 co
   return sums;
 }
 
+// Notes a surface below Tile::z_floor over a cell. Only what lies over a cell counts: a load search takes it for an object that is behind the skin.
+void noteUnseen(Part part, float area, inout Found found) {
+  const float kLeastArea = 1e-3;  // of a cell; less may be the rounding of an outline that passes by
+  if (NUM_ROWS == 0) found.below_floor = found.below_floor || part.which == kUnseen && area > kLeastArea;
+}
+
 // Adds the part of a cell that the corners enclose.
-void addOutlineCell(Tile tile, Facet facet, Part part, uint number, bool alone) {
+void addOutlineCell(Tile tile, Facet facet, Part part, uint number, bool alone, inout Found found) {
   ivec2 cell = cellOf(part, number);
   vec2 corner = vec2(cell);
   EdgeSums sums = EdgeSums(vec3(0), vec3(0));
   for (uint k = 0; k < 4; ++k) addEdge(part.corners[k].xy - corner, part.corners[(k + 1) & 3].xy - corner, part.rates[k], sums);
   float area = sums.first.x;
   if (area <= 0.0) return;
+  noteUnseen(part, area, found);
   // The integral of a plane is the area times its value at the centroid, which lies between those at the corners.
   vec2 at = sums.first.yz / area, middle = corner + at;
   float low = min(min(part.corners[0].z, part.corners[1].z), min(part.corners[2].z, part.corners[3].z)), high = max(max(part.corners[0].z, part.corners[1].z), max(part.corners[2].z, part.corners[3].z));
@@ -129,7 +136,7 @@ void addFacet(Tile tile, Facet facet, inout Found found) {
     Part part = partOf(tile, facet, uint(findLSB(parts)), found);
     uint i = 0;
     if (part.count > 0) do {
-      addOutlineCell(tile, facet, part, i, false);
+      addOutlineCell(tile, facet, part, i, false, found);
     } while (++i < part.count);
     checkLoop(i < part.count);
     parts &= parts - 1u;
@@ -158,6 +165,7 @@ void addLargeFacet(Tile tile, Facet facet, inout Found found) {
         ivec2 cell = cellOf(part, i);
         vec2 middle = vec2(cell) + 0.5;
         if (enclose(part.corners, middle)) {
+          noteUnseen(part, 1.0, found);
           float depth = facet.a.z + dot(facet.slope, middle - facet.a.xy), difference = abs(facet.slope.x) + abs(facet.slope.y);
           CellSums sums = integralsOver(facet, part.which, 1.0, vec2(0), vec3(1, 0, 1) / 12.0, depth, difference);
           addToSums(tile, uint(cell.x) * tile.stride + uint(cell.y), sums, part.which != kPressed, true);
@@ -168,7 +176,7 @@ void addLargeFacet(Tile tile, Facet facet, inout Found found) {
       checkLoop(i < end);
       workgroupBarrier();
       i = gl_LocalInvocationIndex;
-      for (; i < num_outline_cells; i += WORKGROUP) addOutlineCell(tile, facet, part, listed_cells[i], true);
+      for (; i < num_outline_cells; i += WORKGROUP) addOutlineCell(tile, facet, part, listed_cells[i], true, found);
       checkLoop(i < num_outline_cells);
       workgroupBarrier();
     }
@@ -192,7 +200,7 @@ bool touches(Tile tile, Facet facet) {
 }
 
 // Lists what of a quad touches: triangles, or both as one facet where they lie in one plane that no level cuts.
-void listFacets(Tile tile, MeshView view, uint quad, inout Found found) {
+void listFacets(Tile tile, MeshView view, uint quad) {
   const float kPlanar = 2e-9;  // m, the rounding of heights
   Vertex vertices[4];
   fetchQuad(view, quad, vertices[0], vertices[1], vertices[2], vertices[3]);
@@ -201,10 +209,6 @@ void listFacets(Tile tile, MeshView view, uint quad, inout Found found) {
   bool first = facetOf(p, q, r, one), second = facetOf(r, q, s, other);
   first = first && touches(tile, one);
   second = second && touches(tile, other);
-  if (NUM_ROWS == 0) {
-    float floor_depth = -tile.z_floor;
-    found.below_floor = found.below_floor || first && deepestOf(one) > floor_depth || second && deepestOf(other) > floor_depth;
-  }
   float least = min(min(p.z, q.z), min(r.z, s.z)), deepest = max(max(p.z, q.z), max(r.z, s.z));
   bool is_one = first && second && least > 0.0 && deepest <= THICKNESS && (NUM_ROWS > 0 || deepest <= -tile.z_floor) &&
                 abs(one.a.z + dot(one.slope, s.xy - one.a.xy) - s.z) < kPlanar;
@@ -239,7 +243,7 @@ void addQuads(Tile tile, MeshView view, bool is_candidate, uint first, uint coun
     uint end = min(start + kQuadsPerChunk, count);
     uint i = start + gl_LocalInvocationIndex;
     do {
-      if (i < end) listFacets(tile, view, quadNumbered(i, is_candidate, first), found);
+      if (i < end) listFacets(tile, view, quadNumbered(i, is_candidate, first));
       i += WORKGROUP;
     } while (i - gl_LocalInvocationIndex < end);
     workgroupBarrier();
