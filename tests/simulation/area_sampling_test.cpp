@@ -5,17 +5,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numbers>
 
 #include "reference/area_depth.h"
 #include "simulation/comparison.h"
 #include "support/curved_sensor.h"
+#include "support/pressed_shapes.h"
 #include "support/random_scene.h"
 
 namespace taxelsim {
 namespace {
 
+using support::lying;
+using support::pressed;
+using support::pressedPin;
+using support::PressedShape;
 using support::Random;
 using support::Touch;
 
@@ -42,74 +46,31 @@ Sensor areaSensor(DepthSampling sampling = DepthSampling::kArea) {
   return sensor;
 }
 
-// A cylinder along z as a mesh of 96 sides with the area of the circle.
-Mesh pinMesh(double radius, double length) {
-  constexpr int kSides = 96;
-  constexpr double kAngle = 2 * kPi / kSides;
-  const double r = radius * std::sqrt(kAngle / std::sin(kAngle));
-  Mesh mesh;
-  for (int i = 0; i < kSides; ++i) {
-    const auto x = static_cast<float>(r * std::cos(i * kAngle)), y = static_cast<float>(r * std::sin(i * kAngle));
-    mesh.vertices.push_back({x, y, static_cast<float>(-length / 2)});
-    mesh.vertices.push_back({x, y, static_cast<float>(length / 2)});
-  }
-  mesh.vertices.push_back({0, 0, static_cast<float>(-length / 2)});
-  mesh.vertices.push_back({0, 0, static_cast<float>(length / 2)});
-  for (unsigned i = 0; i < kSides; ++i) {
-    const unsigned j = (i + 1) % kSides;
-    mesh.triangles.insert(mesh.triangles.end(), {{2 * i, 2 * j, 2 * j + 1}, {2 * i, 2 * j + 1, 2 * i + 1}});
-    // The ends wind the wrong way, which area sampling has to find out.
-    mesh.triangles.insert(mesh.triangles.end(), {{2 * kSides, 2 * i, 2 * j}, {2 * kSides + 1, 2 * j + 1, 2 * i + 1}});
-  }
-  return mesh;
-}
-
-struct Case {
-  Object object;
-  double lift;  // m, height of the origin over the lowest point
-  Quaternion rotation{1, 0, 0, 0};
-  std::function<double(double)> volume;  // m^3 below the skin, by depth (m)
-  double error;                          // of the force, relative
-  double centre = 0.06e-3;               // m: each cell acts in its middle
+struct Case : PressedShape {
+  double error;             // of the force, relative
+  double centre = 0.06e-3;  // m: each cell acts in its middle
 };
 
 std::vector<Case> cases(double depth) {
-  const auto flat = [](double area) { return [area](double d) { return area * d; }; };
-  const Quaternion lying = axisAngle({1, 0, 0}, kPi / 2);
-  const auto cap = [](double radius) { return [radius](double d) { return kPi * d * d * (radius - d / 3); }; };
   const double wire = 0.5e-3, length = 12e-3, half_width = std::sqrt(2 * wire * depth - depth * depth);
-  const auto segment = [=](double d) {
-    return length * (wire * wire * std::acos(1 - d / wire) - (wire - d) * std::sqrt(2 * wire * d - d * d));
-  };
   std::vector<Case> all;
   for (const double radius : {0.5e-3, 0.75e-3, 2e-3}) {
-    const double error = facetError(depth, radius), area = kPi * radius * radius;
-    all.push_back({Object(Cylinder{radius, length}), length / 2, {1, 0, 0, 0}, flat(area), error});
-    all.push_back({Object("pin", pinMesh(radius, length)), length / 2, {1, 0, 0, 0}, flat(area), error});
+    const double error = facetError(depth, radius);
+    all.push_back({pressed(Cylinder{radius, length}), error});
+    all.push_back({pressedPin(radius, length), error});
   }
-  all.push_back({Object(Box{{10.5e-3, 10.5e-3, 10e-3}}), 5e-3, {1, 0, 0, 0}, flat(10.5e-3 * 10.5e-3), facetError(depth, 10.5e-3)});
-  all.push_back({Object(Box{{1e-3, 8e-3, 10e-3}}), 5e-3, {1, 0, 0, 0}, flat(8e-6), facetError(depth, 1e-3)});
-  all.push_back({Object(Cone{.radius = 4e-3, .height = 4e-3}),
-                 0,
-                 {1, 0, 0, 0},
-                 [](double d) { return kPi * d * d * d / 3; },
-                 4 * facetError(depth, 2 * depth) + 4e-4,
-                 0.43e-3});  // the square of a pyramid's outline is rounded as well
-  all.push_back({Object(Cylinder{wire, length}), wire, lying, segment, facetError(depth, half_width) + scanError(half_width)});
+  all.push_back({pressed(Box{{10.5e-3, 10.5e-3, 10e-3}}), facetError(depth, 10.5e-3)});
+  all.push_back({pressed(Box{{1e-3, 8e-3, 10e-3}}), facetError(depth, 1e-3)});
+  // The square of a pyramid's outline is rounded as well.
+  all.push_back({pressed(Cone{.radius = 4e-3, .height = 4e-3}), 4 * facetError(depth, 2 * depth) + 4e-4, 0.43e-3});
+  all.push_back({lying(Cylinder{wire, length}), facetError(depth, half_width) + scanError(half_width)});
   for (const double radius : {1e-3, 2e-3, 8e-3}) {
     const double contact = std::sqrt(2 * radius * depth - depth * depth);
-    all.push_back({Object(Sphere{radius}), radius, {1, 0, 0, 0}, cap(radius), facetError(depth, contact) + scanError(contact)});
+    all.push_back({pressed(Sphere{radius}), facetError(depth, contact) + scanError(contact)});
   }
-  const double minor = 1e-3, major = 4e-3;  // by Pappus's theorem; the mesh of its section has 64 sides
-  all.push_back({Object(Torus{major, minor}),
-                 minor,
-                 {1, 0, 0, 0},
-                 [=](double d) {
-                   const double section = minor * minor * std::acos(1 - d / minor) - (minor - d) * std::sqrt(2 * minor * d - d * d);
-                   return 2 * kPi * major * section;
-                 },
-                 facetError(depth, minor) + 1.3e-3 * minor / depth});
-  all.push_back({Object(Capsule{1e-3, 1e-9}), 1e-3, {1, 0, 0, 0}, cap(1e-3), facetError(depth, 0.7e-3) + scanError(0.7e-3)});
+  const double minor = 1e-3, major = 4e-3;  // the mesh of its section has 64 sides
+  all.push_back({pressed(Torus{major, minor}), facetError(depth, minor) + 1.3e-3 * minor / depth});
+  all.push_back({pressed(Capsule{1e-3, 1e-9}), facetError(depth, 0.7e-3) + scanError(0.7e-3)});
   return all;
 }
 
@@ -220,7 +181,7 @@ TEST(AreaSampling, SlidesWithoutJumps) {
 TEST(AreaSampling, PressesNoDeeperThanTheSkin) {
   const double radius = 2e-3;
   const Model model(support::sharedDevice(),
-                    {.sensor = areaSensor(), .objects = {Object(Cylinder{radius, 12e-3}), Object("pin", pinMesh(radius, 12e-3))}});
+                    {.sensor = areaSensor(), .objects = {Object(Cylinder{radius, 12e-3}), pressedPin(radius, 12e-3).object}});
   Simulator simulator(model, {.num_instances = 2});
   simulator.setObjects(std::vector<int>{0, 1}, std::vector<Pose>(2, Pose{{0.2e-3, 0.1e-3, 6e-3 - 3e-3}, {1, 0, 0, 0}}));
   simulator.step(kDt);
@@ -265,7 +226,7 @@ TEST_P(AreaSamplingTwin, DepthsOfAllTaxels) {
                                     Object(Sphere{5e-3}),
                                     Object(Cone{.radius = 5e-3, .height = 6e-3}),
                                     Object(Capsule{3e-3, 8e-3}),
-                                    Object("pin", pinMesh(2e-3, 9e-3)),
+                                    pressedPin(2e-3, 9e-3).object,
                                     Object("stone", support::icosphere(6e-3, 2, 0, random))};
   constexpr int kInstances = 5;
   std::vector<Touch> touches;
