@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
+#include <utility>
 
 #include "base/vector3.h"
+#include "taxelsim/error.h"
 
 namespace taxelsim {
 namespace {
@@ -11,8 +14,9 @@ namespace {
 // Start of a ray along +z, with the winding number of all other components around it.
 struct Ray {
   Vector3 start;
-  std::uint32_t component;
+  std::uint32_t component = 0;
   int winding = 0;
+  std::size_t axis = 0;  // along which it splits its part of the tree
 };
 
 using Corners = std::array<Vector3, 3>;
@@ -22,9 +26,10 @@ Vector3 vertexOf(const Mesh& mesh, std::uint32_t index) {
   return {x, y, z};
 }
 
-// The extreme vertices of all components, sorted by x.
+constexpr std::size_t kExtremes = 6;  // lowest and highest along x, y, z
+
+// The extreme vertices of all components, kExtremes for each.
 std::vector<Ray> raysOf(const Mesh& mesh, std::span<const std::uint32_t> component_of, std::size_t num_components) {
-  constexpr std::size_t kExtremes = 6;  // lowest and highest along each axis
   std::vector<Ray> rays(kExtremes * num_components);
   std::vector<bool> is_known(num_components);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -40,9 +45,56 @@ std::vector<Ray> raysOf(const Mesh& mesh, std::span<const std::uint32_t> compone
       }
     }
   }
-  std::sort(rays.begin(), rays.end(), [](const Ray& a, const Ray& b) { return a.start[0] < b.start[0]; });
   return rays;
 }
+
+// A k-d tree in an array: the ray in the middle splits the others along the axis on which they are spread most, and so on on each side.
+class RayTree {
+ public:
+  explicit RayTree(std::vector<Ray> rays) : rays_(std::move(rays)) { split(0, rays_.size()); }
+
+  const std::vector<Ray>& rays() const { return rays_; }
+
+  // Calls visit(Ray&) for each ray that starts in the box or on its surface.
+  template <typename Visit>
+  void visitBox(const Bounds& box, const Visit& visit) {
+    visitBox(box, visit, 0, rays_.size());
+  }
+
+ private:
+  void split(std::size_t begin, std::size_t end) {
+    if (end - begin < 2) return;
+    const auto at = [&](std::size_t i) { return rays_.begin() + static_cast<std::ptrdiff_t>(i); };
+    std::size_t axis = 0;
+    double widest = -1;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [low, high] = std::minmax_element(at(begin), at(end), [&](const Ray& a, const Ray& b) { return a.start[k] < b.start[k]; });
+      if (high->start[k] - low->start[k] <= widest) continue;
+      widest = high->start[k] - low->start[k];
+      axis = k;
+    }
+    const std::size_t middle = (begin + end) / 2;
+    std::nth_element(at(begin), at(middle), at(end), [&](const Ray& a, const Ray& b) { return a.start[axis] < b.start[axis]; });
+    rays_[middle].axis = axis;
+    split(begin, middle);
+    split(middle + 1, end);
+  }
+
+  template <typename Visit>
+  void visitBox(const Bounds& box, const Visit& visit, std::size_t begin, std::size_t end) {
+    if (begin == end) return;
+    const std::size_t middle = (begin + end) / 2;
+    Ray& ray = rays_[middle];
+    bool is_inside = true;
+    for (std::size_t k = 0; k < 3; ++k) is_inside = is_inside && ray.start[k] >= box.min[k] && ray.start[k] <= box.max[k];
+    if (is_inside) visit(ray);
+    const std::size_t axis = ray.axis;
+    if (box.min[axis] <= ray.start[axis]) visitBox(box, visit, begin, middle);
+    if (box.max[axis] >= ray.start[axis]) visitBox(box, visit, middle + 1, end);
+  }
+
+  std::vector<Ray> rays_;
+};
 
 // Signed crossing of the edge from a to b with the half-line from p along +x, in the xy plane. Half-open in y, so that of the edges that
 // meet at a vertex the right number crosses (D. Sunday's winding number). The sign is exact for differences of float32 coordinates of
@@ -63,20 +115,32 @@ int windingOf(const Corners& t, const Vector3& start) {
 
 }  // namespace
 
-std::vector<bool> enclosedComponents(const Mesh& mesh, std::span<const std::uint32_t> component_of, std::size_t num_components) {
+std::vector<bool> enclosedComponents(const Mesh& mesh, std::span<const std::uint32_t> component_of, std::size_t num_components,
+                                     std::uint64_t max_tests) {
   if (num_components < 2) return std::vector<bool>(num_components, false);
   std::vector<Ray> rays = raysOf(mesh, component_of, num_components);
+  std::vector<double> lowest(num_components);  // z, below which a component encloses nothing
+  for (std::size_t c = 0; c < num_components; ++c) lowest[c] = rays[kExtremes * c + 4].start[2];
+  RayTree tree(std::move(rays));
+  std::uint64_t num_tests = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto& [a, b, c] = mesh.triangles[t];
     const Corners corners{vertexOf(mesh, a), vertexOf(mesh, b), vertexOf(mesh, c)};
-    const auto [min_x, max_x] = std::minmax({corners[0][0], corners[1][0], corners[2][0]});
-    auto ray = std::lower_bound(rays.begin(), rays.end(), min_x, [](const Ray& r, double x) { return r.start[0] < x; });
-    for (; ray != rays.end() && ray->start[0] <= max_x; ++ray) {
-      if (ray->component != component_of[t]) ray->winding += windingOf(corners, ray->start);
+    Bounds box{.min = {0, 0, lowest[component_of[t]]}, .max = {}};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto [min, max] = std::minmax({corners[0][axis], corners[1][axis], corners[2][axis]});
+      if (axis < 2) box.min[axis] = min;
+      box.max[axis] = max;
     }
+    tree.visitBox(box, [&](Ray& ray) {
+      if (ray.component == component_of[t]) return;
+      ray.winding += windingOf(corners, ray.start);
+      if (++num_tests > max_tests)
+        throw Error(ErrorKind::kInput, std::to_string(num_components) + " parts are inside of each other: it takes too long to tell which");
+    });
   }
   std::vector<bool> enclosed(num_components, true);
-  for (const Ray& ray : rays) {
+  for (const Ray& ray : tree.rays()) {
     if (ray.winding <= 0) enclosed[ray.component] = false;
   }
   return enclosed;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "geometry/enclosed.h"
 #include "geometry/mesh_files.h"
 #include "support/random_scene.h"
 
@@ -178,7 +179,33 @@ TEST(Outward, TakesAMillionTrianglesAndThousandsOfComponents) {
     }
   }
   EXPECT_EQ(outwardMesh(bristles)->triangles.size(), bristles.triangles.size());
+  // In a row along each axis, so that all have the same range of the other two.
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    Mesh row;
+    for (std::uint32_t i = 0; i < 50'000; ++i) {
+      for (auto vertex : brick().vertices) {
+        vertex[axis] += 4.0f * static_cast<float>(i);
+        row.vertices.push_back(vertex);
+      }
+      for (const auto& [a, b, c] : brick().triangles) row.triangles.push_back({8 * i + a, 8 * i + b, 8 * i + c});
+    }
+    EXPECT_EQ(outwardMesh(row)->triangles.size(), row.triangles.size()) << axis;
+  }
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(kMaxSeconds));
+}
+
+TEST(Outward, RefusesWhatWouldTakeTooLong) {
+  Mesh shells;
+  std::vector<std::uint32_t> component_of;
+  for (std::uint32_t i = 0; i < 20; ++i) {
+    const double side = 0.01 * (i + 1);
+    shells = merged(std::move(shells), boxMesh({side, side, side}), {});
+    component_of.insert(component_of.end(), 12, i);
+  }
+  const std::vector<bool> enclosed = enclosedComponents(shells, component_of, 20);
+  EXPECT_EQ(std::ranges::count(enclosed, true), 19);
+  EXPECT_EQ(inputError([&] { enclosedComponents(shells, component_of, 20, 100); }),
+            "20 parts are inside of each other: it takes too long to tell which");
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/text.h"
 #include "geometry/clusters.h"
 #include "geometry/outward.h"
 #include "geometry/polyhedron.h"
@@ -100,7 +101,12 @@ Mesh meshOf(const Torus& torus) {
 // Packs what area sampling sums over triangles. False: `object` is another solid.
 bool packOutward(const Object& object, const SampleGrid& grid, PackedObjects& packed, layout::ObjectRecord& record) {
   const auto pack = [&](const Mesh& mesh) {
-    const std::optional<Mesh> outward = outwardMesh(mesh);
+    std::optional<Mesh> outward;
+    try {
+      outward = outwardMesh(mesh);
+    } catch (const Error& error) {
+      throw Error(ErrorKind::kInput, "object '" + oneLine(object.name) + "': " + error.what());
+    }
     packMesh(outward ? *outward : mesh, outward.has_value(), grid, packed, record);
     return true;
   };
