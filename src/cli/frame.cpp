@@ -20,6 +20,7 @@
 #include "cli/pose_argument.h"
 #include "cli/print.h"
 #include "cli/scene_options.h"
+#include "geometry/unit_check.h"
 #include "taxelsim/device.h"
 #include "taxelsim/error.h"
 #include "taxelsim/model.h"
@@ -80,15 +81,28 @@ int runContacts(const Arguments& arguments) {
   return kExitOk;
 }
 
+// "cube is 20 x 20 x 20 mm". The sides of a half-space are infinite.
+std::string sizeText(const Object& object) {
+  const Bounds bounds = boundsOf(object);
+  const Vector3 mm = scale(1e3, subtract(bounds.max, bounds.min));
+  const bool is_tiny = std::max({mm[0], mm[1], mm[2]}) < 1e3 * kShortestPlausible;
+  return fmt::format("{} is {:.3g} x {:.3g} x {:.3g} mm{}", object.name, mm[0], mm[1], mm[2], is_tiny ? "; was it scaled twice?" : "");
+}
+
 // The load search ends at the deepest contact that the skin allows, whose force is the largest possible.
-void checkLoad(double load, const GroundTruthView& truth) {
+void checkLoad(double load, const GroundTruthView& truth, const std::vector<Object>& objects) {
   if (truth.load_reached[0]) return;
   const float carried = -truth.contact_wrench[2];
+  std::vector<std::string> sizes;
+  for (const Object& object : objects) sizes.push_back(sizeText(object));
+  if (carried > 0) {
+    throw Error(ErrorKind::kInput, fmt::format("--load {} N is out of reach: pressed through the skin, the objects carry {:.4g} N: {}",
+                                               load, carried, fmt::join(sizes, ", ")));
+  }
   throw Error(ErrorKind::kInput,
-              carried > 0 ? fmt::format("--load {} N is out of reach: pressed through the skin, the objects carry {:.4g} N", load, carried)
-                          : fmt::format("--load {} N is out of reach: no object touches a sample point of the skin; it lies outside of the "
-                                        "array, or is thinner than the distance of the points",
-                                        load));
+              fmt::format("--load {} N is out of reach: no object touches a sample point of the skin; it lies outside of "
+                          "the array, or is thinner than the distance of the points: {}",
+                          load, fmt::join(sizes, ", ")));
 }
 
 void warnOfOverPenetration(const Sensor& sensor, const GroundTruthView& truth) {
@@ -134,7 +148,7 @@ int runObjects(const Arguments& arguments) {
   simulator.setLoad(0, load ? static_cast<float>(*load) : kPoseDriven);
   const FrameView frame = pressAndSlide(simulator, ids, plan.posesOf(options.objects), slide);
   activity.end();
-  if (load) checkLoad(*load, frame.ground_truth);
+  if (load) checkLoad(*load, frame.ground_truth, options.objects);
   warnOfOverPenetration(sensor, frame.ground_truth);
   std::vector<std::string> names;
   for (const Object& object : options.objects) names.push_back(object.name);

@@ -55,7 +55,7 @@ Extension extensionOf(const std::filesystem::path& file) {
   if (text == ".ply") return {"ply", MeshFormat::kPly};
   if (text == ".gltf") return {"gltf", MeshFormat::kGltf};
   if (text == ".glb") return {"glb", MeshFormat::kGlb};
-  fail(file, "unsupported mesh format: the name must end in .obj, .stl, .ply or .glb");
+  fail(file, "unsupported mesh format: the name must end in .obj, .stl, .ply, .glb or .gltf");
 }
 
 void checkFile(const std::filesystem::path& file) {
@@ -301,10 +301,9 @@ Mesh loadMesh(const std::filesystem::path& file, const MeshOptions& options) {
   try {
     const bool is_gltf = extension.format == MeshFormat::kGltf || extension.format == MeshFormat::kGlb;
     const Mesh full = is_gltf ? importMesh(file, extension, options) : readMesh(file, extension.format, options);
-    if (const std::string size = implausibleSize(meshBounds(full)); !size.empty()) {
-      logWarning(oneLine(file.string()) + ": the mesh " + size +
-                 "; is the file in millimetres? scale: " + numberText(options.scale / 1000));
-    }
+    const std::string size = implausibleSize(meshBounds(full), "is the file in millimetres? scale: " + numberText(options.scale / 1000),
+                                             "was it scaled twice? scale: " + numberText(options.scale * 1000));
+    if (!size.empty()) logWarning(oneLine(file.string()) + ": the mesh " + size);
     mesh = simplifyMeshOnce(full, options.max_depth_error);
     if (mesh.triangles.size() < full.triangles.size()) {
       logDebug(oneLine(file.string()) + ": " + std::to_string(mesh.triangles.size()) + " of " + std::to_string(full.triangles.size()) +

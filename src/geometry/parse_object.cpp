@@ -78,9 +78,9 @@ Object parseObject(std::string_view text, const MeshOptions& options) {
     }
     Object object(std::string(text), syntax.make(values));
     checkObject(object);
-    if (const std::string size = implausibleSize(boundsOf(object)); !size.empty()) {
-      logWarning("object '" + oneLine(text) + "' " + size + "; are its sizes in millimetres? They are read as metres: 3 mm are 0.003");
-    }
+    const std::string size = implausibleSize(boundsOf(object), "are its sizes in millimetres? They are read as metres: 3 mm are 0.003",
+                                             "were its sizes scaled twice? 3 mm are 0.003");
+    if (!size.empty()) logWarning("object '" + oneLine(text) + "' " + size);
     return object;
   }
 

@@ -1,4 +1,4 @@
-// Lengths that were probably given in millimetres where metres are expected.
+// Lengths that were probably given in another unit than metres.
 #pragma once
 
 #include <string>
@@ -7,10 +7,13 @@
 
 namespace taxelsim {
 
-// m; a longer object, or a pitch above it, is probably in millimetres: tactile sensors and what they touch are smaller.
-inline constexpr double kLongestPlausible = 1;
+// m. Hands hold what is shorter, and no sensor has a larger pitch: a longer object is probably in millimetres, or scaled to a length of 1.
+inline constexpr double kLongestPlausible = 0.5;
+// m, a tenth of a small taxel. A shorter object was probably scaled twice.
+inline constexpr double kShortestPlausible = 1e-4;
 
-// "is 35 m long" for an object with bounds longer than kLongestPlausible along x, y or z; empty for any other one, and for a half-space.
-std::string implausibleSize(const Bounds& bounds);
+// "is 35 m long; " and `if_long` for an object whose longest side along x, y or z is above kLongestPlausible, the same with `if_short`
+// below kShortestPlausible; empty for any other one, for a half-space and for an empty mesh.
+std::string implausibleSize(const Bounds& bounds, const std::string& if_long, const std::string& if_short);
 
 }  // namespace taxelsim

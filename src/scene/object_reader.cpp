@@ -159,9 +159,9 @@ std::vector<SceneObject> readObjects(const YamlMap& map, const std::filesystem::
         if (const std::optional<YamlNode> node = object_map.find(key)) node->fail("belongs to a mesh, not to a " + std::string(shape));
       }
       object.object.shape = readSolid(object_map, shape);
-      if (const std::string size = implausibleSize(boundsOf(object.object)); !size.empty()) {
-        object_map.require(shape, "").warn("the object " + size + "; are its sizes in millimetres? Give them by keys that end in _mm");
-      }
+      const std::string size = implausibleSize(boundsOf(object.object), "are its sizes in millimetres? Give them by keys that end in _mm",
+                                               "are its sizes in metres? Give them by keys without _mm");
+      if (!size.empty()) object_map.require(shape, "").warn("the object " + size);
     }
     atNode(item, [&] { checkObject(object.object); });
     total_weight += object.weight;
