@@ -10,6 +10,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "base/byte_order_mark.h"
 #include "base/files.h"
 #include "base/text.h"
 #include "taxelsim/error.h"
@@ -173,8 +174,7 @@ std::string readYamlFile(const std::filesystem::path& file) {
 }
 
 YamlTree parseYaml(std::string text, const std::string& file, std::size_t max_nodes) {
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-  if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
+  text.erase(0, text.size() - withoutByteOrderMark(text).size());
   checkCharacters(text, file);
   TreeBuilder builder(file, max_nodes);
   try {

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "base/byte_order_mark.h"
 #include "base/text.h"
 #include "geometry/triangulate.h"
 
@@ -143,7 +144,7 @@ class ObjReader {
 }  // namespace
 
 std::string readObj(std::string_view text, Mesh& mesh) {
-  return ObjReader(mesh).read(text);
+  return ObjReader(mesh).read(withoutByteOrderMark(text));
 }
 
 }  // namespace taxelsim

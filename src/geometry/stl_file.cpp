@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/byte_order_mark.h"
 #include "base/text.h"
 #include "geometry/binary_file.h"
 
@@ -80,8 +81,8 @@ std::string readText(std::string_view text, Mesh& mesh) {
 std::string readStl(const std::filesystem::path& file, Mesh& mesh) {
   const std::string head = readStart(file, kHeader).substr(0, kHeader);
   const std::uintmax_t size = std::filesystem::file_size(file);
-  const std::size_t start = head.find_first_not_of(" \t\r\n");
-  const bool is_text = start != std::string::npos && head.compare(start, 5, "solid") == 0;
+  const std::string_view start = withoutByteOrderMark(head);
+  const bool is_text = start.substr(std::min(start.find_first_not_of(" \t\r\n"), start.size())).starts_with("solid");
   std::string problem;
   std::uintmax_t count = 0, expected = 0;
   if (head.size() >= kHeader) {
@@ -97,7 +98,7 @@ std::string readStl(const std::filesystem::path& file, Mesh& mesh) {
              std::to_string(size);
     }
     if (!is_text) return "it is neither binary STL nor text that starts with solid";
-    problem = readText(readStart(file, static_cast<std::size_t>(kMaxMeshFileBytes)), mesh);
+    problem = readText(withoutByteOrderMark(readStart(file, static_cast<std::size_t>(kMaxMeshFileBytes))), mesh);
   }
   for (std::uint32_t i = 0; i + 2 < mesh.vertices.size(); i += 3) mesh.triangles.push_back({i, i + 1, i + 2});
   return problem;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/byte_order_mark.h"
 #include "base/files.h"
 #include "base/text.h"
 #include "taxelsim/error.h"
@@ -47,6 +48,7 @@ bool CsvReader::readLine() {
   if (stream_.fail() && count == 0) return false;
   if (stream_.fail()) fail(1, "a line longer than " + std::to_string(kMaxLineBytes) + " bytes");
   text_ = {buffer_.data(), stream_.eof() ? count : count - 1};  // without the end of the line
+  if (line_ == 1) text_ = withoutByteOrderMark(text_);
   return true;
 }
 

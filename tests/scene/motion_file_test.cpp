@@ -138,7 +138,7 @@ TEST(MotionFile, RejectsMotionInScenesOfContacts) {
               testing::StartsWith(":8:13: objects[0].motion: objects of a static experiment do not move"));
 }
 
-TEST(WaypointFile, AcceptsBlanksCommentsAndWindowsLines) {
+TEST(WaypointFile, AcceptsByteOrderMarkBlanksCommentsAndWindowsLines) {
   const ScratchDirectory directory;
   const auto points = loadWaypoints(directory.write("way.csv",
                                                     "# recorded\r\n\r\ntime_s, x_m, y_m, z_m, qw, qx, qy, qz\r\n"
@@ -147,6 +147,7 @@ TEST(WaypointFile, AcceptsBlanksCommentsAndWindowsLines) {
   EXPECT_EQ(points[1].time, 1);
   EXPECT_EQ(points[0].pose.position, (Vector3{1, 2, 3}));
   EXPECT_EQ(points[1].pose.rotation, (Quaternion{0, 0, 0, -1}));
+  EXPECT_EQ(loadWaypoints(directory.write("way.csv", "\xEF\xBB\xBFtime_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,1,2,3,1,0,0,0\n")).size(), 1u);
 }
 
 TEST(WaypointFile, RejectsBadFiles) {
