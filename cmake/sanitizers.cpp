@@ -21,9 +21,8 @@ extern "C" const char* __lsan_default_suppressions() {
          "leak:libvk_swiftshader\n"
          "leak:libVkLayer_\n"
          "leak:libfontconfig\n"
-         // HDF5 1.10 and Assimp 5 drop what they have read of a file that then proves broken.
-         "leak:libhdf5_serial\n"
-         "leak:libassimp\n";
+         // HDF5 1.10 drops what it has read of a file that then proves broken.
+         "leak:libhdf5_serial\n";
 }
 
 extern "C" const char* __lsan_default_options() {

@@ -33,7 +33,7 @@ BUNDLED = re.compile(r"^taxelsim\.libs/(?P<stem>.+?)-[0-9a-f]{8}(?P<rest>\..*)$"
 
 
 def bundled_libraries(names: list[str]) -> dict[str, str]:
-    """File names as in Debian, "libassimp.so.5", by path in the wheel."""
+    """File names as in Debian, "libhdf5_serial.so.103", by path in the wheel."""
     libraries = {}
     for name in names:
         if name.startswith("taxelsim.libs/") and not name.endswith("/"):

@@ -17,11 +17,11 @@ PARTS = [
     "taxelsim/bin/taxelsim",
     "taxelsim/lib/libtaxelsim.so.0.1",
     "taxelsim/scenes/edge_servo.yaml",
-    "taxelsim.libs/libassimp-01234567.so.5.2.4",
+    "taxelsim.libs/libhdf5_serial-01234567.so.103.3.0",
     "taxelsim-0.1.0.dist-info/METADATA",
 ]
 METADATA = {"taxelsim-0.1.0.dist-info/METADATA": "Name: taxelsim\nRequires-Dist: nanobind-backend>=1.0\n"}
-LICENCES = {"taxelsim-0.1.0.dist-info/licenses/bundled/libassimp5.txt": "libassimp5: libassimp.so.5.2.4\n\nBSD\n"}
+LICENCES = {"taxelsim-0.1.0.dist-info/licenses/bundled/libhdf5-103-1.txt": "libhdf5-103-1: libhdf5_serial.so.103.3.0\n\nBSD\n"}
 
 
 def check(file: Path, contents: dict[str, str]) -> subprocess.CompletedProcess[str]:
@@ -42,7 +42,7 @@ def test_a_whole_wheel_passes(tmp_path):
     [
         ({**LICENCES, "taxelsim.libs/libcholmod-01234567.so.3": ""}, "libcholmod-01234567.so.3 is under the GPL"),
         ({**LICENCES, "taxelsim.libs/libspqr-01234567.so.2": ""}, "libspqr-01234567.so.2 is under the GPL"),
-        ({}, "libassimp-01234567.so.5.2.4 has no licence file"),
+        ({}, "libhdf5_serial-01234567.so.103.3.0 has no licence file"),
         ({**LICENCES, "large": "x" * 61_000_000}, "at most 60,000,000 are allowed"),
     ],
 )

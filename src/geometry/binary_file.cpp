@@ -5,10 +5,14 @@
 
 namespace taxelsim {
 
-std::uint32_t readLittleEndian32(std::string_view bytes) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < 4; ++i) value |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[i])) << (8 * i);
+std::uint64_t readLittleEndian(std::string_view bytes) {
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < bytes.size(); ++i) value |= static_cast<std::uint64_t>(static_cast<unsigned char>(bytes[i])) << (8 * i);
   return value;
+}
+
+std::uint32_t readLittleEndian32(std::string_view bytes) {
+  return static_cast<std::uint32_t>(readLittleEndian(bytes.substr(0, 4)));
 }
 
 std::string readStart(const std::filesystem::path& file, std::size_t min_bytes) {

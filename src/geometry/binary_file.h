@@ -8,6 +8,9 @@
 
 namespace taxelsim {
 
+// `bytes`, at most eight, as a little-endian number.
+std::uint64_t readLittleEndian(std::string_view bytes);
+
 // The first four bytes of `bytes`, which has at least four, as a little-endian number.
 std::uint32_t readLittleEndian32(std::string_view bytes);
 

@@ -1,8 +1,7 @@
 // Wavefront OBJ files: their vertices and faces. Lines, points, groups, materials, normals, texture coordinates and free-form surfaces are
 // skipped.
 //
-// Assimp 5.2 does not read them here: it searches numbers in buffers that have no end mark, and reads "1,5" and "1.5.5" as 1.5. Vertices
-// have the bits that it gave them.
+// Vertices have the bits that Assimp 5.2 gave them, which read OBJ in versions before.
 #pragma once
 
 #include <string>

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -15,62 +14,31 @@ namespace {
 constexpr std::size_t kMaxShown = 40;     // bytes of a value that a message repeats
 constexpr std::size_t kMinTextBytes = 2;  // of a value: a digit and a blank
 
-std::size_t sizeOf(PlyType type) {
-  constexpr std::array<std::size_t, 8> kSizes{1, 1, 2, 2, 4, 4, 4, 8};
-  return kSizes[static_cast<std::size_t>(type)];
-}
-
-double valueOf(PlyType type, std::uint64_t bits) {
-  switch (type) {
-    case PlyType::kInt8:
-      return static_cast<std::int8_t>(bits);
-    case PlyType::kUint8:
-      return static_cast<std::uint8_t>(bits);
-    case PlyType::kInt16:
-      return static_cast<std::int16_t>(bits);
-    case PlyType::kUint16:
-      return static_cast<std::uint16_t>(bits);
-    case PlyType::kInt32:
-      return static_cast<std::int32_t>(bits);
-    case PlyType::kUint32:
-      return static_cast<std::uint32_t>(bits);
-    case PlyType::kFloat32:
-      return std::bit_cast<float>(static_cast<std::uint32_t>(bits));
-    case PlyType::kFloat64:
-      break;
-  }
-  return std::bit_cast<double>(bits);
-}
-
 [[noreturn]] void failAtEnd() {
   throw PlyProblem{"it ends before the last element that its header or a list claims"};
 }
 
 }  // namespace
 
-std::optional<PlyType> plyType(std::string_view name) {
-  static constexpr std::array<std::pair<std::string_view, PlyType>, 16> kNames{{{"char", PlyType::kInt8},
-                                                                                {"int8", PlyType::kInt8},
-                                                                                {"uchar", PlyType::kUint8},
-                                                                                {"uint8", PlyType::kUint8},
-                                                                                {"short", PlyType::kInt16},
-                                                                                {"int16", PlyType::kInt16},
-                                                                                {"ushort", PlyType::kUint16},
-                                                                                {"uint16", PlyType::kUint16},
-                                                                                {"int", PlyType::kInt32},
-                                                                                {"int32", PlyType::kInt32},
-                                                                                {"uint", PlyType::kUint32},
-                                                                                {"uint32", PlyType::kUint32},
-                                                                                {"float", PlyType::kFloat32},
-                                                                                {"float32", PlyType::kFloat32},
-                                                                                {"double", PlyType::kFloat64},
-                                                                                {"float64", PlyType::kFloat64}}};
+std::optional<NumberType> plyType(std::string_view name) {
+  static constexpr std::array<std::pair<std::string_view, NumberType>, 16> kNames{{{"char", NumberType::kInt8},
+                                                                                   {"int8", NumberType::kInt8},
+                                                                                   {"uchar", NumberType::kUint8},
+                                                                                   {"uint8", NumberType::kUint8},
+                                                                                   {"short", NumberType::kInt16},
+                                                                                   {"int16", NumberType::kInt16},
+                                                                                   {"ushort", NumberType::kUint16},
+                                                                                   {"uint16", NumberType::kUint16},
+                                                                                   {"int", NumberType::kInt32},
+                                                                                   {"int32", NumberType::kInt32},
+                                                                                   {"uint", NumberType::kUint32},
+                                                                                   {"uint32", NumberType::kUint32},
+                                                                                   {"float", NumberType::kFloat32},
+                                                                                   {"float32", NumberType::kFloat32},
+                                                                                   {"double", NumberType::kFloat64},
+                                                                                   {"float64", NumberType::kFloat64}}};
   const auto found = std::find_if(kNames.begin(), kNames.end(), [&](const auto& entry) { return entry.first == name; });
   return found == kNames.end() ? std::nullopt : std::optional(found->second);
-}
-
-bool isFloat(PlyType type) {
-  return type == PlyType::kFloat32 || type == PlyType::kFloat64;
 }
 
 std::string_view PlyWords::next() {
@@ -80,7 +48,7 @@ std::string_view PlyWords::next() {
   return text_.substr(begin, at_ - begin);
 }
 
-double PlyBody::read(PlyType type) {
+double PlyBody::read(NumberType type) {
   if (encoding_ == PlyEncoding::kText) {
     const std::string_view word = words_.next();
     double value = 0;
@@ -100,15 +68,15 @@ double PlyBody::read(PlyType type) {
   return valueOf(type, bits);
 }
 
-void PlyBody::expectRows(std::uint64_t count, std::span<const PlyType> types) const {
+void PlyBody::expectRows(std::uint64_t count, std::span<const NumberType> types) const {
   const bool is_text = encoding_ == PlyEncoding::kText;
   std::size_t row_bytes = 0;
-  for (const PlyType type : types) row_bytes += is_text ? kMinTextBytes : sizeOf(type);
+  for (const NumberType type : types) row_bytes += is_text ? kMinTextBytes : sizeOf(type);
   const std::size_t left = is_text ? words_.numBytesLeft() + 1 : bytes_.size();  // the last blank can be missing
   if (row_bytes > 0 && count > left / row_bytes) failAtEnd();
 }
 
-std::uint64_t PlyBody::readCount(PlyType count_type, PlyType value_type) {
+std::uint64_t PlyBody::readCount(NumberType count_type, NumberType value_type) {
   const double count = read(count_type);
   if (!(count >= 0) || count != std::floor(count)) throw PlyProblem{"it has a list of " + numberText(count) + " values"};
   if (count > static_cast<double>(kMaxMeshFileBytes)) failAtEnd();

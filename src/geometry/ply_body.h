@@ -8,17 +8,17 @@
 #include <string>
 #include <string_view>
 
+#include "geometry/number_type.h"
+
 namespace taxelsim {
 
-enum class PlyType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
 enum class PlyEncoding { kText, kLittle, kBig };
 
 struct PlyProblem {
   std::string text;  // a sentence about the file
 };
 
-std::optional<PlyType> plyType(std::string_view name);
-bool isFloat(PlyType type);
+std::optional<NumberType> plyType(std::string_view name);
 
 // Words between blanks; empty at the end.
 class PlyWords {
@@ -37,13 +37,13 @@ class PlyBody {
   PlyBody(std::string_view bytes, PlyEncoding encoding) : bytes_(bytes), words_(bytes), encoding_(encoding) {}
 
   // Throws PlyProblem at the end of the file, and for a word that is not a finite number.
-  double read(PlyType type);
+  double read(NumberType type);
 
   // Throws PlyProblem if the rest of the file cannot hold `count` rows of values of these types.
-  void expectRows(std::uint64_t count, std::span<const PlyType> types) const;
+  void expectRows(std::uint64_t count, std::span<const NumberType> types) const;
 
   // The number of values of a list. Throws PlyProblem as well if that many do not fit into the rest of the file.
-  std::uint64_t readCount(PlyType count_type, PlyType value_type);
+  std::uint64_t readCount(NumberType count_type, NumberType value_type);
 
  private:
   std::string_view bytes_;  // binary: those left

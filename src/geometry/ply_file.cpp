@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/byte_order_mark.h"
 #include "base/text.h"
 #include "geometry/ply_body.h"
 #include "geometry/triangulate.h"
@@ -15,8 +16,8 @@ namespace {
 
 struct Property {
   std::string name;
-  PlyType type{};                       // of a value
-  std::optional<PlyType> count_type{};  // of the number of values of a list; none for a scalar
+  NumberType type{};                       // of a value
+  std::optional<NumberType> count_type{};  // of the number of values of a list; none for a scalar
 };
 
 struct Element {
@@ -31,8 +32,8 @@ struct Header {
   std::size_t num_bytes = 0;
 };
 
-PlyType typeOf(std::string_view name, const std::string& line) {
-  if (const std::optional<PlyType> type = plyType(name)) return *type;
+NumberType typeOf(std::string_view name, const std::string& line) {
+  if (const std::optional<NumberType> type = plyType(name)) return *type;
   throw PlyProblem{"its PLY header has a bad line: " + oneLine(line)};
 }
 
@@ -103,7 +104,7 @@ class Reader {
  public:
   Reader(const Header& header, std::string_view body, Mesh& mesh) : body_(body, header.encoding), mesh_(mesh) {
     for (const Element& element : header.elements) {
-      std::vector<PlyType> types;  // of what every row has
+      std::vector<NumberType> types;  // of what every row has
       for (const Property& property : element.properties) types.push_back(property.count_type.value_or(property.type));
       body_.expectRows(element.count, types);
       if (element.name == "vertex")
@@ -210,6 +211,7 @@ class Reader {
 }  // namespace
 
 std::string readPly(std::string_view bytes, Mesh& mesh) {
+  bytes = withoutByteOrderMark(bytes);
   try {
     const Header header = readHeader(bytes);
     Reader(header, bytes.substr(header.num_bytes), mesh);

@@ -1,7 +1,4 @@
 // PLY files: text and binary, their vertices and their faces or triangle strips. All other elements and properties are skipped.
-//
-// Assimp 5.2 does not read them here: it takes a first byte of a binary body that is a blank for text, which shifts all numbers, and
-// damaged headers make it write past its buffers.
 #pragma once
 
 #include <string>

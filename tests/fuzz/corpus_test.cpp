@@ -53,8 +53,9 @@ std::vector<Input> inputsOf(std::string_view target) {
   return inputs;
 }
 
-// One to four changes: a flipped bit, a byte replaced, a piece removed, a piece copied elsewhere.
-std::string mutated(std::string bytes, std::mt19937& random) {
+// One to four changes of bytes: a flipped bit, a byte replaced, a piece removed, a piece copied elsewhere.
+std::string mutatedBytes(std::string_view input, std::mt19937& random) {
+  std::string bytes(input);
   const auto below = [&](std::size_t end) { return random() % end; };
   for (std::size_t change = 1 + below(4); change > 0 && !bytes.empty(); --change) {
     const std::size_t at = below(bytes.size()), length = 1 + below(kMaxSplice);
@@ -88,9 +89,10 @@ TEST_P(FuzzTarget, AcceptsOrRefusesStoredInputs) {
 
 TEST_P(FuzzTarget, AcceptsOrRefusesMutations) {
   std::mt19937 random(1);
+  const Mutate mutate = GetParam().mutate != nullptr ? GetParam().mutate : mutatedBytes;
   for (int i = 0; i < kNumMutations; ++i) {
     const Input& input = inputs_[random() % inputs_.size()];
-    const std::string bytes = mutated(input.bytes, random);
+    const std::string bytes = mutate(input.bytes, random);
     EXPECT_NO_THROW(GetParam().read(bytes)) << input.name << ", changed to: " << messageLine(bytes);
   }
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "fuzz/gltf_mutation.h"
 #include "fuzz/input.h"
 #include "fuzz/targets.h"
 #include "taxelsim/object.h"
@@ -10,7 +11,7 @@
 namespace taxelsim::fuzz {
 namespace {
 
-constexpr double kScale = 0.01;  // a stored mesh is 2 units long; above 1 m the loader logs a warning
+constexpr double kScale = 0.1;  // stored meshes are 0.01 to 2 units long; the loader logs a warning outside of 0.1 mm to 0.5 m
 
 void readMesh(const std::string& extension, std::string_view input) {
   const auto file = inputFolder().write("mesh" + extension, input);
@@ -33,7 +34,8 @@ std::span<const Target> meshTargets() {
       Target{"obj", [](std::string_view input) { readMesh(".obj", input); }},
       Target{"stl", [](std::string_view input) { readMesh(".stl", input); }},
       Target{"ply", [](std::string_view input) { readMesh(".ply", input); }},
-      Target{"glb", [](std::string_view input) { readMesh(input.starts_with("glTF") ? ".glb" : ".gltf", input); }}};
+      Target{"glb", [](std::string_view input) { readMesh(input.starts_with("glTF") ? ".glb" : ".gltf", input); }},
+      Target{"gltf", [](std::string_view input) { readMesh(".glb", input); }, mutatedGlb}};
   return kTargets;
 }
 

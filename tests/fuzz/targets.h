@@ -5,7 +5,9 @@
 // must also pass the target's own checks, for example that its text is read back as the same sensor.
 #pragma once
 
+#include <random>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -13,10 +15,13 @@ namespace taxelsim::fuzz {
 
 // Throws std::logic_error, or what the loader must not throw, for a finding.
 using Read = void (*)(std::string_view input);
+// A random change of an input that keeps its structure.
+using Mutate = std::string (*)(std::string_view input, std::mt19937& random);
 
 struct Target {
   std::string_view name;
   Read read;
+  Mutate mutate = nullptr;  // none: bytes are changed
 };
 
 // The targets by kind of file.

@@ -46,6 +46,17 @@ INSTANTIATE_TEST_SUITE_P(Formats, EveryFormat,
                            return name;
                          });
 
+TEST(LoadMesh, SkipsAByteOrderMark) {
+  const MeshDirectory directory;
+  directory.write("brick.bin", gltfBuffer(brick()));
+  const std::string mark = "\xEF\xBB\xBF";
+  for (const auto& [name, text] : {std::pair{"brick.obj", objText(brick()).substr(sizeof("# a brick"))},
+                                   {"brick.stl", stlText(brick())},
+                                   {"brick.ply", plyText(brick())},
+                                   {"brick.gltf", gltfJson(brick(), "brick.bin", kRoot)}})
+    EXPECT_EQ(canonical(loadMesh(directory.write(name, mark + text))), canonical(brick())) << name;
+}
+
 TEST(LoadMesh, AppliesTheTransformsOfAllAncestors) {
   const MeshDirectory directory;
   // Scaled by 2, rotated by 90 degrees about z, then translated by (1, 2, 4): (x, y, z) -> (1 - 2 y, 2 + 2 x, 4 + 2 z).
@@ -56,7 +67,7 @@ TEST(LoadMesh, AppliesTheTransformsOfAllAncestors) {
   for (Corner& v : expected.vertices) v = {1 - 2 * v[1], 2 + 2 * v[0], 4 + 2 * v[2]};
   const Bounds bounds = boundsOf(mesh);
   const Bounds expected_bounds = boundsOf(expected);
-  // Assimp rotates in float32: four rounding errors of coordinates up to 8.
+  // Nodes rotate in float32: four rounding errors of coordinates up to 8.
   constexpr double kTolerance = 8 * 4 * 1.2e-7;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     EXPECT_NEAR(bounds.min[axis], expected_bounds.min[axis], kTolerance);

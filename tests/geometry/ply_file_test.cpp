@@ -29,7 +29,7 @@ std::string problemOf(const std::string& bytes) {
 
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 
-// Assimp takes a blank at the start of the body for a part of the header.
+// Readers that skip blanks take the first byte for a part of the header.
 TEST(Ply, BodyMayBeginWithABlank) {
   for (const char first : {'\n', '\r', ' ', '\t', '\0'}) {
     Mesh mesh = brick();
