@@ -171,6 +171,50 @@ def test_environments_and_windows_have_the_same_counts_and_newtons(device, tmp_p
 
 # == A policy gets every output that it asks for ==
 
+OUTPUTS = {
+    "tactile_normal_force": ("ground_truth", "tactile_normal_force"),
+    "tactile_shear_force": ("ground_truth", "tactile_shear_force"),
+    "penetration_depth": ("ground_truth", "penetration_depth"),
+    "taxel_counts": ("taxel_counts",),
+    "contact_features": ("contact",),
+    "clean_contact_features": ("ground_truth", "contact"),
+    "tactile_jacobian": ("jacobian",),
+    "clean_tactile_jacobian": ("ground_truth", "jacobian"),
+    "taxel_jacobian": ("ground_truth", "taxel_jacobian"),
+}
+
+
+def test_a_policy_gets_every_output_that_it_asks_for_and_no_other(device, tmp_path):
+    (tmp_path / "scene.yaml").write_text(f"""
+format_version: 1
+name: short
+sensor: {taxelsim.SCENES / "sensors/uskin_like_4x4.yaml"}
+kind: servo
+objects: [sphere: {{radius_mm: 10}}]
+episode: {{num_steps: 1, simulation_rate: 100}}
+randomization: {{load: 1}}
+controller: {{tactile_servo: {{total_force: {{kp: 1}}}}}}
+task: {{total_force: {{tolerance: 1}}}}
+data_set: {{episodes: 1}}
+""")
+    scene = taxelsim.load_scene(tmp_path / "scene.yaml")
+    assert {*OUTPUTS, "vjp"} == set(taxelsim.OutputOptions._fields)  # nothing of vjp is in a frame
+    for is_asked in (True, False):
+        outputs = taxelsim.OutputOptions(**{name: is_asked and name in OUTPUTS for name in taxelsim.OutputOptions._fields})
+        found: list[str] = []
+
+        def act(arrays, instances, _, found=found):
+            for name, path in OUTPUTS.items():
+                values = arrays["frame"]
+                for key in path:
+                    values = values.get(key, {})
+                found.extend([name] if len(values) > 0 else [])
+            return np.zeros((len(instances), 6))
+
+        taxelsim._core.evaluate(device, scene, [], 1, 1, None, ("policy", "", False, outputs, act), [])
+        assert found == (list(OUTPUTS) if is_asked else [])
+
+
 # == Pictures are bright wherever something touches ==
 
 # == Cross-validation compares what can be compared ==

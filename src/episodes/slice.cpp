@@ -1,7 +1,11 @@
 #include "episodes/slice.h"
 
+#include <algorithm>
+#include <array>
+#include <bit>
 #include <chrono>
 #include <ctime>
+#include <functional>
 #include <string>
 #include <utility>
 
@@ -47,15 +51,14 @@ DeviceTraffic operator-(const DeviceTraffic& a, const DeviceTraffic& b) {
   return {a.num_submits - b.num_submits, a.bytes_to_device - b.bytes_to_device, a.bytes_from_device - b.bytes_from_device};
 }
 
+// All outputs of both. Works on the bytes, so that no field can be left out.
 OutputOptions operator|(const OutputOptions& a, const OutputOptions& b) {
-  return {.tactile_normal_force = a.tactile_normal_force || b.tactile_normal_force,
-          .tactile_shear_force = a.tactile_shear_force || b.tactile_shear_force,
-          .penetration_depth = a.penetration_depth || b.penetration_depth,
-          .taxel_counts = a.taxel_counts || b.taxel_counts,
-          .contact_features = a.contact_features || b.contact_features,
-          .clean_contact_features = a.clean_contact_features || b.clean_contact_features,
-          .tactile_jacobian = a.tactile_jacobian || b.tactile_jacobian,
-          .clean_tactile_jacobian = a.clean_tactile_jacobian || b.clean_tactile_jacobian};
+  using Flags = std::array<bool, sizeof(OutputOptions)>;
+  static_assert(alignof(OutputOptions) == alignof(bool), "every output is a bool");
+  auto flags = std::bit_cast<Flags>(a);
+  const auto others = std::bit_cast<Flags>(b);
+  std::transform(flags.begin(), flags.end(), others.begin(), flags.begin(), std::logical_or<>());
+  return std::bit_cast<OutputOptions>(flags);
 }
 
 }  // namespace

@@ -148,6 +148,50 @@ TEST(EvaluatePolicy, RefusesPoliciesThatCannotAct) {
   EXPECT_THAT(refusalOf(scene, {.name = "p", .max_regions = 1, .act = rest}), HasSubstr("max_regions: 1 found, 0 allowed"));
 }
 
+// One policy asks for all outputs that frames have, one for none.
+TEST(EvaluatePolicy, GetsEveryOutputThatItAsksFor) {
+  Scene scene = taskScene();
+  scene.num_episodes = 1;
+  scene.num_steps = 1;
+  scene.task->hold = 1 / scene.simulation_rate;
+  scene.sensor.skin.friction = {.tangential_stiffness = 5e7, .friction_coefficient = 0.5};
+  scene.sensor.readout.three_axis.emplace();
+  for (std::size_t axis = 0; axis < 3; ++axis) scene.sensor.readout.three_axis->gain[axis][axis] = 1000;
+  const std::size_t num_taxels = static_cast<std::size_t>(numTaxels(scene.sensor)), num_rows = 2;  // sensor and patch
+  struct Case {
+    const char* name;
+    bool OutputOptions::*output;
+    std::size_t size;
+    std::size_t (*found)(const FrameView&);
+  };
+  using View = const FrameView&;
+  const std::vector<Case> cases{
+      {"tactile_normal_force", &OutputOptions::tactile_normal_force, num_taxels,
+       [](View view) { return view.ground_truth.tactile_normal_force.size(); }},
+      {"tactile_shear_force", &OutputOptions::tactile_shear_force, 2 * num_taxels,
+       [](View view) { return view.ground_truth.tactile_shear_force.size(); }},
+      {"penetration_depth", &OutputOptions::penetration_depth, num_taxels,
+       [](View view) { return view.ground_truth.penetration_depth.size(); }},
+      {"taxel_counts", &OutputOptions::taxel_counts, 3 * num_taxels, [](View view) { return view.taxel_counts.size(); }},
+      {"contact_features", &OutputOptions::contact_features, num_rows, [](View view) { return view.contact.total_force.size(); }},
+      {"clean_contact_features", &OutputOptions::clean_contact_features, num_rows,
+       [](View view) { return view.ground_truth.contact.total_force.size(); }},
+      {"tactile_jacobian", &OutputOptions::tactile_jacobian, 6 * num_rows, [](View view) { return view.jacobian.total_force.size(); }},
+      {"clean_tactile_jacobian", &OutputOptions::clean_tactile_jacobian, 36,
+       [](View view) { return view.ground_truth.jacobian.contact_wrench.size(); }},
+      {"taxel_jacobian", &OutputOptions::taxel_jacobian, 6 * num_taxels,
+       [](View view) { return view.ground_truth.taxel_jacobian.size(); }}};
+  for (const bool is_asked : {true, false}) {
+    Policy policy{.name = "outputs"};
+    for (const Case& output : cases) policy.outputs.*output.output = is_asked;
+    policy.act = [&](const PolicyInput& input, std::span<Twist> twists) {
+      std::fill(twists.begin(), twists.end(), Twist{});
+      for (const Case& output : cases) EXPECT_EQ(output.found(input.view.frame), is_asked ? output.size : 0) << output.name;
+    };
+    evaluate(Device::open(), scene, {}, {.on_progress = {}, .policy = policy});
+  }
+}
+
 TEST(EvaluatePolicy, CommandsJointsInAnyBatch) {
   Scene scene = taskScene();
   scene.robot = panTilt({});
