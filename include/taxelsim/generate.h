@@ -10,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "taxelsim/contact_misses.h"
 #include "taxelsim/dataset.h"
 #include "taxelsim/device.h"
 #include "taxelsim/policy.h"
@@ -82,6 +83,8 @@ struct GenerateResult {
   bool verified = true;                 ///< Whether all shards on disk were verified; false after a stop before that.
   std::uint64_t num_load_misses = 0;    ///< Contacts whose load was out of reach; also a column of the data set.
   std::vector<LoadMisses> load_misses;  ///< (num_objects), the same by object.
+  /// (num_fingers) of a scene of kind grasp, else (1): episodes without contact. generate() logs a warning if there are any.
+  std::vector<ContactMisses> contact_misses;
 };
 
 /// The columns that a scene records, in file order.

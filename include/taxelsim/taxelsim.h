@@ -20,6 +20,7 @@
 /// - fork(): not while a Device is open.
 namespace taxelsim {}
 
+#include "taxelsim/contact_misses.h"
 #include "taxelsim/contact_point.h"
 #include "taxelsim/contact_recording.h"
 #include "taxelsim/contact_type.h"
@@ -43,6 +44,7 @@ namespace taxelsim {}
 #include "taxelsim/robot.h"
 #include "taxelsim/scene.h"
 #include "taxelsim/sensor.h"
+#include "taxelsim/sensor_hints.h"
 #include "taxelsim/simplification_stop.h"
 #include "taxelsim/simulator.h"
 #include "taxelsim/skin_variation.h"

@@ -13,19 +13,26 @@
 #include <algorithm>
 
 #include "structs.h"
+#include "taxelsim/sensor_hints.h"
 #include "without_gil.h"
 
 namespace taxelsim::python {
 namespace {
+
+constexpr auto kAskForUnits = [](const auto& made) {
+  warnOfUnits(made);
+  deliverMessages();
+};
 
 void bindPatch(nb::module_& module) {
   nb::class_<GridPatch> patch(module, "GridPatch", R"(A planar grid of taxels.
 
 Its frame P lies in the middle of the grid on the undeformed outer skin surface, z out of the skin towards the object. Row i runs along x,
 column j along y.)");
-  addFields(patch, field("name", &GridPatch::name, "Name in messages and data sets."), field("num_rows", &GridPatch::num_rows, "1 to 128."),
-            field("num_cols", &GridPatch::num_cols, "1 to 128."), field("pitch", &GridPatch::pitch, "(2), m, > 0, along x and along y."),
-            field("X_SP", &GridPatch::X_SP, "Pose of the patch in the sensor frame S."));
+  addCheckedFields(patch, kAskForUnits, field("name", &GridPatch::name, "Name in messages and data sets."),
+                   field("num_rows", &GridPatch::num_rows, "1 to 128."), field("num_cols", &GridPatch::num_cols, "1 to 128."),
+                   field("pitch", &GridPatch::pitch, "(2), m, > 0, along x and along y."),
+                   field("X_SP", &GridPatch::X_SP, "Pose of the patch in the sensor frame S."));
   module.def("taxel_patch", &taxelPatch, "name"_a, "position"_a, "normal"_a, "size"_a, "x_axis"_a = nb::none(),
              R"(A 1 x 1 patch for one taxel of a curved or irregular skin.
 
@@ -84,10 +91,10 @@ void bindSkin(nb::module_& module) {
   addFields(relaxation, field("fraction", &RelaxationTerm::fraction, "0 to 1; the sum of all terms is < 1."),
             field("time", &RelaxationTerm::time, "s, > 0."));
   nb::class_<Skin> skin(module, "Skin", "The skin.");
-  addFields(skin, field("thickness", &Skin::thickness, "m, > 0; the deepest penetration."), field("law", &Skin::law, "Contact law."),
-            field("friction", &Skin::friction, "Stick-slip friction."),
-            field("margin", &Skin::margin, "m, >= 0, skin beyond the taxels; 0 unless the law is ElasticLayer."),
-            field("relaxation", &Skin::relaxation, "0 to 4 terms."));
+  addCheckedFields(skin, kAskForUnits, field("thickness", &Skin::thickness, "m, > 0; the deepest penetration."),
+                   field("law", &Skin::law, "Contact law."), field("friction", &Skin::friction, "Stick-slip friction."),
+                   field("margin", &Skin::margin, "m, >= 0, skin beyond the taxels; 0 unless the law is ElasticLayer."),
+                   field("relaxation", &Skin::relaxation, "0 to 4 terms."));
   module.def("max_depth_error_of", &maxDepthErrorOf, "skin"_a,
              "Bound of the simplification of meshes (m, max_depth_error of load_mesh()) at which pressures change by 4 kPa at most; at "
              "most 10 um.");

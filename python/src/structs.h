@@ -1,12 +1,13 @@
 // Settings structs of the library as immutable Python classes.
 //
-// Constructors take keywords only, with the defaults of C++. Fields are read-only; replace() makes a changed copy. The classes compare by
-// value, pickle, and print as the call that makes them.
+// Constructors take keywords only, with the defaults of C++, or defaults that follow from other fields. Fields are read-only; replace()
+// makes a changed copy. The classes compare by value, pickle, and print as the call that makes them.
 #pragma once
 
 #include <nanobind/nanobind.h>
 
 #include <new>
+#include <optional>
 #include <string_view>
 
 #include "bind.h"
@@ -15,9 +16,15 @@ namespace taxelsim::python {
 
 template <typename Struct, typename Member>
 struct Field {
+  using Argument = Member;  // of the constructor
+
   const char* name;
   Member Struct::*member;
   const char* doc;
+
+  Argument defaultOf(const Struct& defaults) const { return defaults.*member; }
+  void assign(Struct& self, const Argument& value) const { self.*member = value; }
+  void derive(Struct&, const Argument&) const {}
 };
 
 template <typename Struct, typename Member>
@@ -25,26 +32,56 @@ Field<Struct, Member> field(const char* name, Member Struct::*member, const char
   return {name, member, doc};
 }
 
+// A field whose default follows from the others.
+template <typename Struct, typename Member>
+struct DerivedField {
+  using Argument = std::optional<Member>;
+
+  const char* name;
+  Member Struct::*member;
+  const char* doc;
+  Member (*otherwise)(const Struct&);
+
+  Argument defaultOf(const Struct&) const { return {}; }
+  void assign(Struct& self, const Argument& value) const { self.*member = value.value_or(Member{}); }
+  void derive(Struct& self, const Argument& value) const {
+    if (!value) self.*member = otherwise(self);
+  }
+};
+
+template <typename Struct, typename Member>
+DerivedField<Struct, Member> derivedField(const char* name, Member Struct::*member, Member (*otherwise)(const Struct&), const char* doc) {
+  return {name, member, doc, otherwise};
+}
+
 // Adds `_fields`, replace(), __eq__, __repr__ and __reduce__ to a class whose constructor takes the fields as keywords.
 void addValueSemantics(nb::handle type, const nb::tuple& names);
 
-// Adds constructor and fields. The casters of all members must be included, and classes among them bound before.
-template <typename Struct, typename... Members>
-void addFields(nb::class_<Struct>& type, Field<Struct, Members>... fields) {
-  if constexpr (sizeof...(Members) == 0) {
+// Adds constructor and fields. The casters of all members must be included, and classes among them bound before. made(struct) is called
+// with every struct that the constructor makes.
+template <typename Struct, typename Made, typename... Fields>
+void addCheckedFields(nb::class_<Struct>& type, Made made, Fields... fields) {
+  if constexpr (sizeof...(Fields) == 0) {
     type.def(nb::init<>());
   } else {
     const Struct defaults{};
     type.def(
         "__init__",
-        [... members = fields.member](Struct* self, const Members&... values) {
+        [made, fields...](Struct* self, const typename Fields::Argument&... values) {
           new (self) Struct{};
-          ((self->*members = values), ...);
+          (fields.assign(*self, values), ...);
+          (fields.derive(*self, values), ...);
+          made(*self);
         },
-        nb::kw_only(), (nb::arg(fields.name) = defaults.*fields.member)...);
+        nb::kw_only(), (nb::arg(fields.name) = fields.defaultOf(defaults))...);
   }
   (type.def_ro(fields.name, fields.member, fields.doc), ...);
   addValueSemantics(type, nb::make_tuple(fields.name...));
+}
+template <typename Struct, typename... Fields>
+void addFields(nb::class_<Struct>& type, Fields... fields) {
+  addCheckedFields(
+      type, [](const Struct&) {}, fields...);
 }
 
 }  // namespace taxelsim::python

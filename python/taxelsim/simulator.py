@@ -13,6 +13,7 @@ from ._arguments import checked_names
 from ._arrays import Dimension, to_array
 from ._core import DeviceTraffic, MemoryPlan, Model, OutputOptions, SimulatorOptions, StepTiming
 from ._counts import IMAGE_UNITS, NewtonImage
+from ._first_frame import FirstFrame
 from .errors import InputError
 from .frame import Frame
 from .gradients import Gradient
@@ -74,6 +75,7 @@ class Simulator:
         arrays = self._batch.arrays()
         self._newtons = NewtonImage(arrays["tactile_image"], model.sensor.readout) if image_unit == "newtons" else None
         self._frame = Frame(arrays if self._newtons is None else {**arrays, "tactile_image": self._newtons.array})
+        self._first: FirstFrame | None = FirstFrame(model.sensor, "set_contacts" if max_contacts > 0 else "set_objects")
 
     @staticmethod
     def plan(model: Model, options: SimulatorOptions) -> MemoryPlan:
@@ -124,7 +126,10 @@ class Simulator:
         pose_array = to_array("poses", poses, np.float64, [[*rows, 7], [*rows, 4, 4]], drop_slots=one_slot)
         if pose_array.shape[-2:] == (4, 4):
             pose_array = self._from_matrices(pose_array)
-        self._batch.set_objects(id_array.reshape(-1), pose_array.reshape(-1, 7))
+        id_array, pose_array = id_array.reshape(-1), pose_array.reshape(-1, 7)
+        self._batch.set_objects(id_array, pose_array)
+        if self._first is not None:
+            self._first.given(pose_array[id_array != NO_OBJECT, :3])
 
     def _from_matrices(self, matrices: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         poses = np.empty((self.num_instances * self.num_slots, 7))
@@ -166,6 +171,8 @@ class Simulator:
         forces = to_array("normal_forces", normal_forces, np.float64, [[(len(points), "C")]], per_instance=False)
         bounds = to_array("offsets", offsets, np.int32, [[(self.num_instances + 1, "N + 1")]], per_instance=False)
         self._batch.set_contacts(np.column_stack((points, forces)), bounds)
+        if self._first is not None:
+            self._first.given(points)
 
     def reset(
         self,
@@ -222,19 +229,24 @@ class Simulator:
         """
         if instances is None:
             self._batch.step(dt)
-            return
-        mask = np.zeros(self.num_instances, np.uint8)
-        mask[self._indices(instances)] = 1
-        self._batch.step(dt, mask)
+        else:
+            mask = np.zeros(self.num_instances, np.uint8)
+            mask[self._indices(instances)] = 1
+            self._batch.step(dt, mask)
+        if self._first is not None:
+            self._first.step()
 
     def read(self) -> Frame:
         """Waits for the last step() and returns its frame: arrays over the memory of the simulator, see taxelsim.Frame.
 
-        Every call returns the same object. Raises DeviceError if the device was lost.
+        Every call returns the same object. Before the first step() all arrays are 0, which the log warns of, as of a first frame without
+        inputs, or with inputs over a metre away. Raises DeviceError if the device was lost.
         """
         self._batch.read()
         if self._newtons is not None:
             self._newtons.update()
+        if self._first is not None and self._first.read(self._frame):
+            self._first = None
         return self._frame
 
     def vjp(self, cotangent: npt.ArrayLike, gain: npt.ArrayLike = 1.0) -> Gradient:

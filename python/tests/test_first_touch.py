@@ -273,6 +273,193 @@ def test_copies_of_a_model_may_have_other_masses_unless_the_skin_pushes(device):
 
 # == Runs that touch nothing say so ==
 
+
+@pytest.fixture
+def warnings(caplog, monkeypatch):
+    """warnings(): what has been logged since the last call."""
+    monkeypatch.setattr(taxelsim._log, "_warned", set())
+
+    def taken() -> list[str]:
+        lines = [record.getMessage() for record in caplog.records]
+        caplog.clear()
+        return lines
+
+    return taken
+
+
+GRASP = """
+format_version: 1
+name: grasp
+kind: grasp
+robot: ROBOT
+objects: [{box: {size_mm: [60, 30, 30]}, pose: {POSE}}]
+grasp: {fingers: [FINGER]}
+task: {hold: 0.05}
+episode: {num_steps: 70, simulation_rate: 100}
+record: [RECORD]
+data_set: {episodes: 3, episodes_per_shard: 2}
+"""
+
+
+LEFT = "sensor: left, force: 2, joints: [{joint: jaw, velocity_mm: 50}]"
+BELOW = "sensor: below, force: 0.5, joints: [{joint: bend, velocity_deg: -60}]"  # opens
+
+
+def grasp(folder: Path, *, pose="position_mm: [0, 0, 0]", finger=LEFT, record="features") -> Path:
+    words = {"ROBOT": taxelsim.SCENES / "robots/gripper.yaml", "POSE": pose, "FINGER": f"{{{finger}}}", "RECORD": record}
+    text = GRASP
+    for word, value in words.items():
+        text = text.replace(word, str(value))
+    (folder / "grasp.yaml").write_text(text)
+    return folder / "grasp.yaml"
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"pose": "position_mm: [0, 500, 0]"}, "left: no contact in {0} of {0} episodes, nearest approach 0.45 m"),  # half a metre away
+        ({"pose": "position: [0, 50, 0]"}, "left: no contact in {0} of {0} episodes, nearest approach 50 m"),  # millimetres
+        ({"finger": BELOW}, "below: no contact in {0} of {0} episodes, nearest approach 0.023 m"),  # its first frame is the nearest
+        ({}, None),
+    ],
+)
+def test_a_grasp_that_touches_nothing_says_so_once(device, tmp_path, warnings, settings, message):
+    for num_episodes, run in (
+        (3, lambda scene: taxelsim.generate(scene, tmp_path / "out", device=device, batch_size=2)),
+        (2, lambda scene: taxelsim.evaluate_grasp(scene, device=device, batch_size=2)),
+    ):
+        run(taxelsim.load_scene(grasp(tmp_path, **settings), num_episodes=num_episodes))
+        found = warnings()
+        assert len(found) == (1 if message else 0), found
+        if message:
+            expected = f": finger {message.format(num_episodes)}; check poses, their units, and the signs of closing velocities"
+            assert found[0].endswith(expected), found
+
+
+SERVO = """
+format_version: 1
+name: servo
+sensor: SENSOR
+kind: servo
+objects: [sphere: {radius_mm: 10}]
+episode: {num_steps: 3, simulation_rate: 100}
+randomization: {START}
+controller: {tactile_servo: {total_force: {kp: 1}}}
+task: {total_force: {tolerance: 1}}
+record: [RECORD]
+data_set: {episodes: 3, episodes_per_shard: 2}
+"""
+
+
+def servo(folder: Path, start: str, record: str = "features", sensor: str = "sensors/wts0614_soft_cover.yaml") -> Path:
+    text = SERVO.replace("SENSOR", str(taxelsim.SCENES / sensor)).replace("START", start).replace("RECORD", record)
+    (folder / "servo.yaml").write_text(text)
+    return folder / "servo.yaml"
+
+
+@pytest.mark.parametrize(
+    ("start", "end"),
+    [
+        ("depth: 0.5", "0.48 m; check the depth, and the units of poses"),
+        ("depth_mm: 0.5", None),
+        ("x: 0.9, depth_mm: 0.5", "0.88 m; check the depth, and the units of poses"),
+        ("load: 0", "0 m; check the load, which is 0 N in them"),
+        ("load: 1", None),
+    ],
+)
+def test_a_scene_that_touches_nothing_says_so_once(device, tmp_path, warnings, start, end):
+    scene = taxelsim.load_scene(servo(tmp_path, start))
+    for name, run in (
+        ("", lambda: taxelsim.generate(scene, tmp_path / "out", device=device, batch_size=2)),
+        ("tactile_servo: ", lambda: taxelsim.evaluate(scene, device=device, batch_size=2)),
+    ):
+        run()
+        found = warnings()
+        assert [f"{name}no contact in 3 of 3 episodes, nearest start {end}" in line for line in found] == ([True] if end else []), found
+
+
+def test_recorded_points_beside_the_array_are_noticed(device, tmp_path, warnings):
+    columns = "episode,step,x_m,y_m,z_m,normal_force_N\n"
+    (tmp_path / "points.csv").write_text(columns + "0,0,7.5,0,0,1\n2,0,0,0,0,1\n")  # millimetres, no point, and one that presses
+    (tmp_path / "points.yaml").write_text(f"""
+format_version: 1
+name: points
+kind: contact_points
+sensor: {taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml"}
+contact_points: {{file: points.csv}}
+episode: {{num_steps: 1, simulation_rate: 100}}
+record: [features]
+""")
+    taxelsim.generate(tmp_path / "points.yaml", tmp_path / "out", device=device)
+    found = warnings()
+    assert len(found) == 1
+    assert "no contact in 1 of 3 episodes, nearest point 7.5 m; check the frame and the unit of the points" in found[0]
+
+
+def test_shear_of_a_skin_without_friction_is_asked_about(tmp_path, warnings):
+    message = "record: tactile_shear_force is 0 on the sensor"
+    taxelsim.load_scene(servo(tmp_path, "load: 1", "features, tactile_shear_force"))
+    (found,) = warnings()
+    assert "servo.yaml:11:9: " + message + " wts0614_soft_cover: skin.friction_coefficient is 0" in found
+    taxelsim.load_scene(grasp(tmp_path, record="tactile_shear_force"))
+    (found,) = warnings()
+    assert message + "s left, right, below" in found
+    taxelsim.load_scene(servo(tmp_path, "load: 1", "tactile_shear_force", "sensors/uskin_like_4x4.yaml"))
+    taxelsim.load_scene(servo(tmp_path, "load: 1"))
+    assert warnings() == []
+
+
+def test_a_simulator_that_gives_zeros_says_so_once(device, model, poses, warnings):
+    touching = poses.copy()
+    far, high = poses.copy(), poses.copy()
+    far[:, 2] = 7.5  # millimetres
+    high[:, 2] = 0.5  # approaches later
+    cases = [
+        ("read", None, "read() before the first step(): all arrays are 0"),
+        ("step", None, "step() before set_objects(): nothing touches the sensor, all forces are 0"),
+        ("step", far, "set_objects(): what is nearest is 7.5 m from the taxels, nothing touches; are positions in millimetres?"),
+        ("step", high, None),
+        ("step", touching, None),
+    ]
+    for call, given, message in cases:
+        simulator = taxelsim.Simulator(model, len(poses))
+        for _ in range(2):
+            if given is not None:
+                simulator.set_objects(0, given)
+            if call == "step":
+                simulator.step(0.01)
+            simulator.read()
+        found = warnings()
+        assert [message in line for line in found] == ([True] if message else []), found
+    empty = taxelsim.Simulator(model, len(poses))
+    empty.set_objects(taxelsim.NO_OBJECT, far)  # on purpose
+    empty.step(0.01)
+    empty.read()
+    points = taxelsim.Simulator(model, 1, max_contacts=2)
+    for position, message in (([0, 0, 0], None), ([0, 7.5, 0], "set_contacts(): what is nearest is 7.48 m from the taxels")):
+        points = taxelsim.Simulator(model, 1, max_contacts=2)
+        points.set_contacts([position], [1.0], [0, 1])
+        points.step(0.01)
+        points.read()
+        found = warnings()
+        assert [message in line for line in found] == ([True] if message else []), found
+
+
+def test_lengths_of_a_sensor_in_millimetres_are_asked_about(tmp_path, warnings):
+    taxelsim.GridPatch(num_rows=6, num_cols=14, pitch=(3.41, 3.41))
+    assert ["pitch: 3.41 m between taxels; is it in millimetres? Lengths are in metres" in line for line in warnings()] == [True]
+    taxelsim.Skin(thickness=1.53, law=taxelsim.Winkler(normal_contact_stiffness=1e8))
+    assert ["thickness: 1.53 m thick; is it in millimetres? Lengths are in metres" in line for line in warnings()] == [True]
+    text = (taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml").read_text()
+    (tmp_path / "thick.yaml").write_text(text.replace("thickness_mm: 2 ", "thickness: 2 "))
+    taxelsim.load_sensor(tmp_path / "thick.yaml")
+    assert ["skin.thickness: 2 m thick; is it in millimetres? thickness_mm" in line for line in warnings()] == [True]
+    for file in sorted((taxelsim.SCENES / "sensors").glob("*.yaml")):
+        sensor = taxelsim.load_sensor(file)
+        sensor.replace(skin=sensor.skin.replace(), patches=[patch.replace() for patch in sensor.patches])
+    assert [line for line in warnings() if "millimetres" in line] == []
+
+
 # == Sizes that look wrong are asked about ==
 
 

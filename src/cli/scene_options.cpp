@@ -1,5 +1,7 @@
 #include "cli/scene_options.h"
 
+#include <spdlog/spdlog.h>
+
 #include <CLI/CLI.hpp>
 
 #include "cli/activity.h"
@@ -43,7 +45,10 @@ void addDeviceOptions(CLI::App& command, std::string& device, bool& validation) 
 
 Scene loadSceneOf(const SceneOptions& options, bool is_shown) {
   std::optional<Activity> activity;
-  if (is_shown) activity.emplace("loading " + options.scene);
+  if (is_shown)
+    activity.emplace("loading " + options.scene);
+  else
+    spdlog::set_level(spdlog::level::err);  // the process that started this worker logs the same warnings
   return loadScene(options.scene, options.overrides);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include "base/philox.h"
 #include "episodes/draw.h"
@@ -43,6 +44,10 @@ GraspBatch::GraspBatch(const Device& device, const Scene& scene, const OutputOpt
   X_WO_.resize(size * scene.objects.size());
   trajectories_.resize(X_WO_.size());
   target_forces_.resize(size * grasp_.fingers.size());
+  touched_.resize(target_forces_.size());
+  nearest_.resize(target_forces_.size());
+  for (const GraspFinger& finger : grasp_.fingers)
+    clearances_.emplace_back(grasp_.sensors[static_cast<std::size_t>(finger.sensor)].sensor, scene.objects);
   velocities_.resize(size * static_cast<std::size_t>(robots_.robots().numJoints()));
   arm_velocities_.resize(velocities_.size());
   if (grasp_.servo) servo_.emplace(*grasp_.servo, grasp_.sensors, robots_.robots().numJoints(), num_instances);
@@ -52,6 +57,8 @@ GraspBatch::GraspBatch(const Device& device, const Scene& scene, const OutputOpt
 
 void GraspBatch::begin(std::uint64_t first, int count) {
   frame_ = -1;
+  std::fill(touched_.begin(), touched_.end(), 0);
+  std::fill(nearest_.begin(), nearest_.end(), std::numeric_limits<double>::infinity());
   if (servo_) servo_->begin();
   for (int i = 0; i < numInstances(); ++i) {
     const auto instance = static_cast<std::size_t>(i);
@@ -83,6 +90,33 @@ void GraspBatch::step() {
     if (trajectories_[slot]) X_WO_[slot] = trajectories_[slot]->at(time());
   }
   robots_.step(dt_, X_WO_);
+  noteContacts();
+}
+
+// Distances in some frames suffice for a message.
+void GraspBatch::noteContacts() {
+  constexpr std::int64_t kPeriod = 16;
+  const auto num_sensors = static_cast<std::size_t>(robots_.numSensors());
+  const std::size_t num_fingers = grasp_.fingers.size(), num_objects = scene_.objects.size();
+  for (std::size_t k = 0; k < touched_.size(); ++k) {
+    const std::size_t instance = k / num_fingers, finger = k % num_fingers;
+    const int sensor = grasp_.fingers[finger].sensor;
+    touched_[k] |= robots_.frame(sensor).ground_truth.total_force[robots_.row(sensor, static_cast<int>(instance))] > 0;
+    if (touched_[k] || frame_ % kPeriod != 0) continue;
+    const Pose X_SW = inverse(robots_.robots().X_WS()[instance * num_sensors + static_cast<std::size_t>(sensor)]);
+    for (std::size_t object = 0; object < num_objects; ++object)
+      nearest_[k] = std::min(nearest_[k], clearances_[finger].of(object, X_SW * X_WO_[instance * num_objects + object]));
+  }
+}
+
+void GraspBatch::addMisses(int count, std::span<ContactMisses> misses) const {
+  for (std::size_t k = 0; k < static_cast<std::size_t>(count) * misses.size(); ++k) {
+    ContactMisses& of_finger = misses[k % misses.size()];
+    ++of_finger.num_episodes;
+    if (touched_[k]) continue;
+    ++of_finger.num_misses;
+    of_finger.nearest = std::min(of_finger.nearest, nearest_[k]);
+  }
 }
 
 // N/s: change of the total force that a sensor reads, by its measured tactile Jacobian.

@@ -8,8 +8,10 @@
 #include <span>
 #include <vector>
 
+#include "episodes/clearance.h"
 #include "episodes/grasp_servo.h"
 #include "episodes/sensed_robots.h"
+#include "taxelsim/contact_misses.h"
 #include "taxelsim/scene.h"
 
 namespace taxelsim {
@@ -30,6 +32,8 @@ class GraspBatch {
   void begin(std::uint64_t first, int count);
   // Computes the next frame; the first one has the initial posture.
   void step();
+  // Adds the episodes of the first `count` instances, as far as they have run, to `misses` (num_fingers).
+  void addMisses(int count, std::span<ContactMisses> misses) const;
 
   double time() const { return static_cast<double>(frame_) * dt_; }        // s, of the frame
   std::span<const Pose> X_WO() const { return X_WO_; }                     // (num_instances x num_objects), of the frame
@@ -38,6 +42,7 @@ class GraspBatch {
  private:
   double forceRate(int instance, int sensor, std::span<const double> joint_velocities) const;
   void command();
+  void noteContacts();
 
   const Scene& scene_;
   const Grasp& grasp_;
@@ -48,6 +53,9 @@ class GraspBatch {
   std::vector<Pose> X_WO_;                               // (num_instances x num_objects)
   std::vector<std::optional<Trajectory>> trajectories_;  // (num_instances x num_objects), of objects that move
   std::vector<double> target_forces_;                    // (num_instances x num_fingers)
+  std::vector<Clearance> clearances_;                    // (num_fingers)
+  std::vector<std::uint8_t> touched_;                    // (num_instances x num_fingers), 1: has had contact in the episode
+  std::vector<double> nearest_;                          // likewise, m: least distance of an object before a contact
   std::vector<double> velocities_;                       // (num_instances x num_joints), rad/s or m/s
   std::vector<double> arm_velocities_;                   // the same, of the servo's joints; 0 for all others
   std::vector<Twist> no_twists_;                         // (num_instances)

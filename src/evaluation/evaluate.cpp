@@ -1,6 +1,7 @@
 #include "taxelsim/evaluate.h"
 
 #include "episodes/batch.h"
+#include "evaluation/misses.h"
 #include "evaluation/play.h"
 #include "evaluation/scores.h"
 
@@ -15,6 +16,7 @@ std::vector<Evaluation> evaluate(const Device& device, const Scene& scene, const
     evaluations.push_back(evaluationOf(scene, played.controller, std::move(played.verdicts)));
     if (options.on_evaluation) options.on_evaluation(evaluations.back());
   });
+  warnOfContactMisses(scene, evaluations);
   return evaluations;
 }
 

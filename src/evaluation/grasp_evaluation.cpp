@@ -6,6 +6,7 @@
 
 #include "base/field_checks.h"
 #include "episodes/batch.h"
+#include "episodes/contact_misses.h"
 #include "episodes/grasp_batch.h"
 #include "evaluation/grasp_judge.h"
 #include "evaluation/play.h"
@@ -142,6 +143,7 @@ std::vector<GraspEvaluation> evaluateGrasp(const Device& device, const Scene& sc
   tally.progress.num_episodes = scene.num_episodes * all.size();
   tally.progress.num_frames = tally.progress.num_episodes * static_cast<std::uint64_t>(scene.num_steps);
   std::vector<GraspEvaluation> evaluations;
+  std::vector<ContactMisses> misses(scene.grasp->fingers.size());  // over all gains
   for (const double gain : all) {
     Scene played = scene;
     played.grasp->gain = gain;
@@ -153,11 +155,13 @@ std::vector<GraspEvaluation> evaluateGrasp(const Device& device, const Scene& sc
       const int count = static_cast<int>(std::min<std::uint64_t>(static_cast<std::uint64_t>(size), left));
       std::vector<GraspVerdict> more = playBatch(batch, played, verdicts.size(), count, tally);
       if (more.empty()) return evaluations;
+      batch.addMisses(count, misses);
       std::move(more.begin(), more.end(), std::back_inserter(verdicts));
     }
     evaluations.push_back(evaluationOf(played, std::move(verdicts)));
     if (options.on_evaluation) options.on_evaluation(evaluations.back());
   }
+  warnOfContactMisses(scene, misses);
   return evaluations;
 }
 

@@ -4,6 +4,7 @@
 
 #include "dataset/scene_difference.h"
 #include "episodes/batch.h"
+#include "evaluation/misses.h"
 #include "evaluation/part_text.h"
 #include "evaluation/play.h"
 #include "evaluation/probe.h"
@@ -112,6 +113,7 @@ std::vector<Evaluation> mergeEvaluationParts(const Scene& scene, const std::vect
   for (std::size_t c = 0; c < verdicts.size(); ++c) {
     evaluations.push_back(evaluationOf(scene, model.evaluations[c].controller, std::move(verdicts[c])));
   }
+  warnOfContactMisses(scene, evaluations);
   return evaluations;
 }
 

@@ -10,6 +10,7 @@
 #include "base/memory.h"
 #include "base/processors.h"
 #include "episodes/batch.h"
+#include "episodes/contact_misses.h"
 #include "generation/generate_grasp.h"
 #include "generation/generate_loops.h"
 #include "generation/loop_outputs.h"
@@ -111,11 +112,13 @@ void simulate(ShardRun& run, DatasetWriter& writer, const Manifest& manifest, co
   ShardWriter shard_writer(writer, maxOpenShards(plan.scene, options), writerThreads(options));
   GenerateResult& result = run.result();
   result.load_misses.resize(plan.scene.objects.size());
+  result.contact_misses.resize(1);
+  ContactMissCounter contact_misses(plan, result.contact_misses[0]);
   std::vector<std::unique_ptr<ShardSink>> sinks;
   std::vector<std::unique_ptr<Slice>> slices;
   int first_instance = 0;
   for (const int size : splitBatch(model, plan, batch_size, options.num_slices)) {
-    sinks.push_back(std::make_unique<ShardSink>(plan, recorder, queue, shard_writer, result.load_misses, size));
+    sinks.push_back(std::make_unique<ShardSink>(plan, recorder, queue, shard_writer, result.load_misses, contact_misses, size));
     slices.push_back(std::make_unique<Slice>(model, plan, size, *sinks.back(), first_instance));
     first_instance += size;
   }
@@ -171,7 +174,10 @@ GenerateResult generate(const Device& device, const Scene& scene, const std::fil
   ShardRun run(options, writer, manifest, plan.num_frames);
   run.startWorkers();
   run.simulateAll([&] { simulate(run, writer, manifest, model, plan, options); });
-  return run.end();
+  GenerateResult result = run.end();
+  // Of several processes, the one that started them knows the misses of all.
+  if (options.workers.num_processes == 1) warnOfContactMisses(scene, result.contact_misses);
+  return result;
 }
 
 }  // namespace taxelsim

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/sha256.h"
+#include "episodes/contact_misses.h"
 #include "generation/grasp_columns.h"
 #include "generation/shard_run.h"
 #include "taxelsim/error.h"
@@ -32,13 +33,13 @@ class GraspRun {
                static_cast<int>(std::min({static_cast<std::uint64_t>(options.batch_size), scene.num_episodes, scene.episodes_per_shard}))) {
   }
 
-  // Episodes first, ..., first + count - 1 as a shard. Empty columns after a stop.
-  ShardData simulate(std::uint64_t first, std::uint64_t count, int num_frames, Progress& progress);
+  // Episodes first, ..., first + count - 1 as a shard. Empty columns after a stop. Adds to the progress and the misses of `result`.
+  ShardData simulate(std::uint64_t first, std::uint64_t count, int num_frames, GenerateResult& result);
 
  private:
   bool isStopped() const { return options_.stop != nullptr && *options_.stop; }
   void simulateBatch(std::uint64_t first, int count, std::uint64_t first_row, int num_frames, std::span<std::byte* const> columns,
-                     Progress& progress);
+                     GenerateResult& result);
 
   const Manifest& manifest_;
   const GenerateOptions& options_;
@@ -46,7 +47,7 @@ class GraspRun {
   GraspBatch batch_;
 };
 
-ShardData GraspRun::simulate(std::uint64_t first, std::uint64_t count, int num_frames, Progress& progress) {
+ShardData GraspRun::simulate(std::uint64_t first, std::uint64_t count, int num_frames, GenerateResult& result) {
   ShardData data{.episode_lengths = std::vector<std::uint64_t>(count, static_cast<std::uint64_t>(num_frames)), .columns = {}};
   std::vector<std::byte*> columns;
   for (const Column& column : manifest_.columns) {
@@ -55,7 +56,7 @@ ShardData GraspRun::simulate(std::uint64_t first, std::uint64_t count, int num_f
   }
   for (std::uint64_t row = 0; row < count && !isStopped();) {
     const int size = static_cast<int>(std::min<std::uint64_t>(static_cast<std::uint64_t>(batch_.numInstances()), count - row));
-    simulateBatch(first + row, size, row, num_frames, columns, progress);
+    simulateBatch(first + row, size, row, num_frames, columns, result);
     row += static_cast<std::uint64_t>(size);
   }
   if (isStopped()) data.columns.clear();
@@ -63,7 +64,7 @@ ShardData GraspRun::simulate(std::uint64_t first, std::uint64_t count, int num_f
 }
 
 void GraspRun::simulateBatch(std::uint64_t first, int count, std::uint64_t first_row, int num_frames, std::span<std::byte* const> columns,
-                             Progress& progress) {
+                             GenerateResult& result) {
   batch_.begin(first, count);
   recorder_.recordEpisodes(batch_, first, count, columns, first_row);
   std::vector<std::uint64_t> rows(static_cast<std::size_t>(count));
@@ -73,12 +74,13 @@ void GraspRun::simulateBatch(std::uint64_t first, int count, std::uint64_t first
       rows[i] = (first_row + i) * static_cast<std::uint64_t>(num_frames) + static_cast<std::uint64_t>(frame);
     }
     recorder_.recordFrames(batch_, count, columns, rows);
-    progress.frames_done += static_cast<std::uint64_t>(count);
+    result.progress.frames_done += static_cast<std::uint64_t>(count);
   }
+  if (!isStopped()) batch_.addMisses(count, result.contact_misses);
 }
 
 std::string probeOf(GraspRun& run) {
-  Progress unused;
+  GenerateResult unused;
   Sha256 digest;
   for (const std::vector<std::byte>& column : run.simulate(0, 1, kProbeFrames, unused).columns) digest.add(column);
   return digest.finish();
@@ -95,18 +97,20 @@ GenerateResult generateGrasp(const Device& device, const Scene& scene, const std
   if (!writer.isVerified()) return unverifiedResult(manifest);
   ShardRun run(options, writer, manifest, scene.num_steps);
   run.restartClock();
+  run.result().contact_misses.resize(scene.grasp->fingers.size());
   run.simulateAll([&] {
     for (std::uint64_t shard = 0; shard < manifest.numShards(); ++shard) {
       if (run.complete()[shard] || !writer.claim(shard)) continue;
-      const ShardData data =
-          grasps.simulate(shard * manifest.episodes_per_shard, run.episodesOf(shard), scene.num_steps, run.result().progress);
+      const ShardData data = grasps.simulate(shard * manifest.episodes_per_shard, run.episodesOf(shard), scene.num_steps, run.result());
       if (data.columns.empty()) return;
       writer.writeShard(shard, data);
       run.addWritten(run.episodesOf(shard));
       if (options.on_progress) options.on_progress(run.result().progress);
     }
   });
-  return run.end();
+  GenerateResult result = run.end();
+  warnOfContactMisses(scene, result.contact_misses);
+  return result;
 }
 
 }  // namespace taxelsim

@@ -5,10 +5,10 @@
 #include <set>
 #include <string>
 
-#include "geometry/unit_check.h"
 #include "scene/pose_reader.h"
 #include "scene/taxel_reader.h"
 #include "sensor/fields.h"
+#include "sensor/hints.h"
 
 namespace taxelsim {
 namespace {
@@ -26,9 +26,7 @@ GridPatch readGrid(const YamlMap& map, std::string name) {
   } else {
     patch.pitch.fill(pitch.number(allowed));
   }
-  if (std::max(patch.pitch[0], patch.pitch[1]) > kLongestPlausible) {
-    pitch.warn(canonicalNumber(std::max(patch.pitch[0], patch.pitch[1])) + " m between taxels; is it in millimetres? pitch_mm");
-  }
+  if (const std::string question = unitQuestion(patch); !question.empty()) pitch.warn(question + " pitch_mm");
   map.canonical().line("pitch", canonicalList(patch.pitch));
   patch.X_SP = readPose(map, "pose");
   return patch;

@@ -176,17 +176,30 @@ std::vector<std::string> readRecord(const YamlMap& map, Scene::Kind kind) {
   return record;
 }
 
+bool records(const Scene& scene, std::string_view word) {
+  return std::find(scene.record.begin(), scene.record.end(), word) != scene.record.end();
+}
+
 // `which`: of the sensors of a robot.
 void checkTaxelCounts(const YamlMap& map, const Scene& scene, const Sensor& sensor, const std::string& which = "") {
-  if (sensor.readout.three_axis || std::find(scene.record.begin(), scene.record.end(), "taxel_counts") == scene.record.end()) return;
+  if (sensor.readout.three_axis || !records(scene, "taxel_counts")) return;
   map.require("record", "").fail("taxel_counts needs readout.three_axis of the sensor" + which);
+}
+
+void warnOfNoShear(const YamlMap& map, const Scene& scene) {
+  if (!records(scene, "tactile_shear_force")) return;
+  std::string which;
+  if (!scene.grasp && !hasFriction(scene.sensor.skin)) which = " " + scene.sensor.name;
+  for (std::size_t s = 0; scene.grasp && s < scene.grasp->sensors.size(); ++s) {
+    const RobotSensor& sensor = scene.grasp->sensors[s];
+    if (!hasFriction(sensor.sensor.skin)) which += (which.empty() ? "s " : ", ") + sensor.name;
+  }
+  if (!which.empty()) map.require("record", "").warn("tactile_shear_force is 0 on the sensor" + which + ": skin.friction_coefficient is 0");
 }
 
 // Only scenes with contact features have this key.
 void readMaxRegions(const YamlMap& map, Scene& scene) {
-  const bool has_rows = std::any_of(kContactColumns.begin(), kContactColumns.end(), [&](std::string_view column) {
-    return std::find(scene.record.begin(), scene.record.end(), column) != scene.record.end();
-  });
+  const bool has_rows = std::any_of(kContactColumns.begin(), kContactColumns.end(), [&](auto column) { return records(scene, column); });
   if (has_rows) {
     scene.max_regions = kDefaultRegions;
     readFields(map, kMaxRegionsFields, scene);
@@ -254,6 +267,7 @@ void readGraspScene(const YamlMap& map, const std::filesystem::path& directory, 
   readGrasp(map, *robot, scene.simulation_rate, scene.num_steps, grasp);
   scene.record = readRecord(map, scene.kind);
   for (const RobotSensor& sensor : grasp.sensors) checkTaxelCounts(map, scene, sensor.sensor, " " + sensor.name);
+  warnOfNoShear(map, scene);
   readMaxRegions(map, scene);
 }
 
@@ -375,6 +389,7 @@ Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrid
   scene.task = readTask(map, scene);
   scene.record = readRecord(map, scene.kind);
   checkTaxelCounts(map, scene, scene.sensor);
+  warnOfNoShear(map, scene);
   readMaxRegions(map, scene);
   readDataSet(map, overrides, scene);
   checkConditions(file_tree, name, directory, scene);

@@ -5,6 +5,7 @@
 
 #include "scene/terms_reader.h"
 #include "sensor/fields.h"
+#include "sensor/hints.h"
 
 namespace taxelsim {
 namespace {
@@ -102,6 +103,7 @@ Skin readSkin(const YamlMap& sensor) {
   const YamlMap map(sensor, "skin", keys);
   Skin skin;
   readFields(map, kSkinFields, skin);
+  if (const std::string question = unitQuestion(skin); !question.empty()) map.require("thickness", "").warn(question + " thickness_mm");
   skin.law = readLaw(map);
   if (std::holds_alternative<ElasticLayer>(skin.law)) readFields(map, kMarginFields, skin);
   skin.friction = readFriction(map);

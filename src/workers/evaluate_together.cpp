@@ -171,8 +171,10 @@ int evaluateAsWorker(const Device& device, const Scene& scene, const std::vector
     options.stop = worker.stop();
     options.on_progress = [&](const Progress& progress) { worker.report(progress); };
     worker.sendValues(MessageKind::kScene, std::span<const char>(scene.resolved));
-    for (const Evaluation& evaluation : evaluate(device, scene, controllers, options))
-      worker.sendValues(MessageKind::kVerdicts, std::span<const Verdict>(evaluation.verdicts));
+    const Players players(scene, controllers, options);
+    play(Model(device, modelOptionsOf(scene)), scene, players, options, [&](const EvaluationPart::Verdicts& played) {
+      worker.sendValues(MessageKind::kVerdicts, std::span<const Verdict>(played.verdicts));
+    });
   });
 }
 

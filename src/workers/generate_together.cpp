@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/memory.h"
+#include "episodes/contact_misses.h"
 #include "episodes/draw.h"
 #include "generation/open_shards.h"
 #include "workers/worker.h"
@@ -81,9 +82,15 @@ GenerateResult generateTogether(const Device& device, const Scene& scene, const 
                            });
                          }};
   GenerateResult result = generate(device, scene, directory, options);
-  for (const WorkerReport& report : workers.reports())
-    for (const Message& message : report.messages)
+  result.contact_misses.resize(1);
+  for (const WorkerReport& report : workers.reports()) {
+    for (const Message& message : report.messages) {
       if (message.kind == MessageKind::kLoadMisses) add(result.load_misses, message.values<LoadMisses>());
+      if (message.kind != MessageKind::kContactMisses) continue;
+      for (const ContactMisses& misses : message.values<ContactMisses>()) taxelsim::add(result.contact_misses[0], misses);
+    }
+  }
+  warnOfContactMisses(scene, result.contact_misses);
   result.num_load_misses = 0;
   for (const LoadMisses& misses : result.load_misses) result.num_load_misses += misses.num_misses;
   const std::uint64_t num_on_disk = result.progress.episodes_done;
@@ -103,6 +110,7 @@ int generateAsWorker(const Device& device, const Scene& scene, const std::filesy
     if (!options.shards) options.shards = ShardRange{.first = 0, .end = numShards(scene)};
     const GenerateResult result = generate(device, scene, directory, options);
     worker.sendValues(MessageKind::kLoadMisses, std::span<const LoadMisses>(result.load_misses));
+    worker.sendValues(MessageKind::kContactMisses, std::span<const ContactMisses>(result.contact_misses));
   });
 }
 

@@ -13,12 +13,13 @@
 namespace taxelsim::workers {
 
 enum class MessageKind : std::uint32_t {
-  kProgress,    // one Progress
-  kScene,       // text: Scene::resolved
-  kLoadMisses,  // (num_objects) LoadMisses
-  kVerdicts,    // (num_episodes) Verdict of one controller
-  kProblem,     // text of one line: why it did not do its work
-  kEnd,         // nothing; the last one of a worker that did its work, or was asked to stop
+  kProgress,       // one Progress
+  kScene,          // text: Scene::resolved
+  kLoadMisses,     // (num_objects) LoadMisses
+  kContactMisses,  // one ContactMisses
+  kVerdicts,       // (num_episodes) Verdict of one controller
+  kProblem,        // text of one line: why it did not do its work
+  kEnd,            // nothing; the last one of a worker that did its work, or was asked to stop
 };
 
 struct Message {

@@ -117,7 +117,7 @@ TEST(Generate, RegeneratesMissingShards) {
 
 TEST(Generate, ReportsTimesOfDeviceAndWriter) {
   const TestDirectory directory;
-  const auto [progress, times, complete, verified, num_load_misses, load_misses] =
+  const auto [progress, times, complete, verified, num_load_misses, load_misses, contact_misses] =
       generate(device(), exampleScene(), directory.path(), {.batch_size = 8, .num_slices = 2, .device_clock = true});
   EXPECT_GT(times.device_busy, 0);
   EXPECT_GT(times.device_wait, 0);
@@ -288,6 +288,29 @@ TEST(Generate, RejectsInvalidMotion) {
   scene.objects[0].motion = Sinusoid{.frequency = 0};
   EXPECT_THROW(generateWith(scene, directory.path(), 16, 2), Error);
   EXPECT_FALSE(std::filesystem::exists(directory.path()));
+}
+
+// A ball starts beside the array, touches with 0 N, is out of reach of a load, which LoadMisses counts, or touches.
+TEST(Generate, CountsEpisodesWithoutContact) {
+  Scene scene = exampleScene();
+  scene.objects.erase(scene.objects.begin());
+  scene.randomization.yaw = scene.randomization.tilt = {0, 0};
+  const auto missesOf = [&](std::optional<Range> load, std::optional<Range> depth, double x = 0) {
+    Scene changed = scene;
+    changed.randomization.load = load;
+    changed.randomization.depth = depth;
+    changed.randomization.x = {x, x};
+    const TestDirectory directory;
+    return generateWith(changed, directory.path(), 7, 2).contact_misses.at(0);
+  };
+  const ContactMisses beside = missesOf({}, Range{5e-4, 5e-4}, 0.3), weightless = missesOf(Range{0, 0}, {});
+  for (const ContactMisses& misses : {beside, weightless}) {
+    EXPECT_EQ(misses.num_episodes, 23u);
+    EXPECT_EQ(misses.num_misses, 23u);
+  }
+  EXPECT_NEAR(beside.nearest, 0.3 - 0.01 - 0.0102, 1e-12) << "less the radius, and half of the array";
+  EXPECT_EQ(missesOf(Range{1e5, 1e5}, {}).num_misses, 0u);
+  EXPECT_EQ(missesOf({}, Range{5e-4, 5e-4}).num_misses, 0u);
 }
 
 }  // namespace

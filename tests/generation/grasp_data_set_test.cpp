@@ -1,8 +1,10 @@
 // Data sets of hands: the same bytes for any batch size and after an interruption; columns grouped by sensor.
 #include <atomic>
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <numbers>
 #include <string>
 
 #include "episodes/example_scene.h"
@@ -119,6 +121,23 @@ TEST(GraspDataSet, RefusesWhatTheKindDoesNotHave) {
   const TestDirectory directory;
   EXPECT_THROW(generate(device(), scene(), directory.path() / "out", {.episodes = {3}}), Error);
   EXPECT_FALSE(std::filesystem::exists(directory.path() / "out"));
+}
+
+// One finger opens, so that its first frame is its nearest; the other touches.
+TEST(GraspDataSet, CountsFingersThatTouchNothing) {
+  Scene opening = scene();
+  opening.num_episodes = 3;
+  opening.grasp->fingers[1].joints[0].velocity *= -1;
+  const TestDirectory directory;
+  const std::vector<ContactMisses> misses = generate(device(), opening, directory.path(), {.batch_size = 2}).contact_misses;
+  ASSERT_EQ(misses.size(), 2u);
+  EXPECT_EQ(misses[0].num_episodes, 3u);
+  EXPECT_EQ(misses[0].num_misses, 0u);
+  EXPECT_EQ(misses[1].num_episodes, 3u);
+  EXPECT_EQ(misses[1].num_misses, 3u);
+  // scenes/robots/gripper.urdf by hand: the highest corner of the array, 15 mm long, under the lower face of the box.
+  const double bend = -20 * std::numbers::pi / 180, tip = 1.5 * bend - 0.1;
+  EXPECT_NEAR(misses[1].nearest, -0.015 - (-0.02 + 0.03 * std::sin(bend) + 0.02 * std::sin(tip) - 0.0075 * std::sin(tip)), 1e-9);
 }
 
 }  // namespace

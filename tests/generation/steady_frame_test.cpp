@@ -61,7 +61,9 @@ TEST_P(SteadyFrame, AllocatesNoMemory) {
   ShardQueue queue(manifest, {false}, plan.num_frames);
   const Recorder recorder(planColumns(scene), plan.edges);
   std::vector<LoadMisses> load_misses(scene.objects.size());
-  ShardSink sink(plan, recorder, queue, writer, load_misses, kNumInstances);
+  ContactMisses misses;
+  ContactMissCounter contact_misses(plan, misses);
+  ShardSink sink(plan, recorder, queue, writer, load_misses, contact_misses, kNumInstances);
   Slice slice(model, plan, kNumInstances, sink);
 
   slice.submit();
