@@ -10,6 +10,7 @@ namespace taxelsim {
 /// Severity of a log message.
 enum class LogLevel {
   kDebug,    ///< For developers.
+  kInfo,     ///< Settings that are allowed but seldom meant. Each text is logged once per process.
   kWarning,  ///< Settings that are allowed but look wrong. Each text is logged once per process.
   kError,    ///< Messages of Vulkan's validation layers.
 };

@@ -302,7 +302,7 @@ struct Readout {
   /// none.
   double curve_limit = 0;
   double output_scale = 1;            ///< > 0; the paper's k_scale. Default 1.
-  double trigger = 0;                 ///< N, smallest force that is visible. Below 0: the taxel reads without a load. Default 0.
+  double trigger = 0;                 ///< N, smallest force that is visible. Below 0: the taxel reads without a load. See noiseTrigger().
   int adc_bits = 12;                  ///< 1 to kMaxAdcBits. Default 12.
   int saturation = 4095;              ///< Counts, 1 to 2^adc_bits - 1. Default 4095.
   double noise = 0;                   ///< Counts, >= 0, standard deviation of white Gaussian noise per frame and taxel. Default 0.

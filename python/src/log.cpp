@@ -24,6 +24,8 @@ int pythonLevel(LogLevel level) {
   switch (level) {
     case LogLevel::kDebug:
       return 10;
+    case LogLevel::kInfo:
+      return 20;
     case LogLevel::kWarning:
       return 30;
     case LogLevel::kError:

@@ -24,6 +24,10 @@ constexpr auto kAskForUnits = [](const auto& made) {
   deliverMessages();
 };
 
+double defaultTrigger(const Readout& made) {
+  return made.taxel_trigger.empty() ? noiseTrigger(made) : 0;
+}
+
 void bindPatch(nb::module_& module) {
   nb::class_<GridPatch> patch(module, "GridPatch", R"(A planar grid of taxels.
 
@@ -138,7 +142,7 @@ x = gain F - trigger; y = sum of curve[m] x^(m+1); counts = clip(round(output_sc
             field("curve_points", &Readout::curve_points, "Piecewise linear curve from (0, 0); replaces `curve`."),
             field("curve_limit", &Readout::curve_limit, "Asymptote in counts; 0: none."),
             field("output_scale", &Readout::output_scale, "> 0."),
-            field("trigger", &Readout::trigger, "N, smallest force that is visible; below 0: the taxel reads without a load."),
+            derivedField("trigger", &Readout::trigger, &defaultTrigger, "N, smallest visible force; None: three deviations of noise."),
             field("adc_bits", &Readout::adc_bits, "1 to 16."), field("saturation", &Readout::saturation, "Counts, 1 to 2^adc_bits - 1."),
             field("noise", &Readout::noise, "Counts, >= 0, standard deviation of white noise per frame and taxel."),
             field("taxel_gain", &Readout::taxel_gain, "(num_taxels), >= 0; empty: 1."),

@@ -508,6 +508,44 @@ def test_a_name_that_is_no_object_lists_the_formats():
 
 # == Noise alone is no contact ==
 
+
+def test_noise_alone_is_no_contact(device, tmp_path):
+    """Three standard deviations are the default trigger, in files and in Python; scenes keep the number that was used."""
+    num_instances = 200
+    patch = taxelsim.GridPatch(name="patch_0", num_rows=6, num_cols=14, pitch=(0.0034, 0.0034))
+    skin = taxelsim.Skin(thickness=0.002, law=taxelsim.Winkler(normal_contact_stiffness=1e8))
+    electronics = taxelsim.Readout(curve=[1000], noise=4)
+    assert electronics.trigger == 0.012
+    assert electronics.replace(noise=8).trigger == 0.012  # what is there stays
+    assert taxelsim.Readout(curve=[1000], noise=4, trigger=0).trigger == 0
+    assert taxelsim.Readout(curve=[1000], noise=4, taxel_trigger=[0.1] * 84).trigger == 0
+    sensor = taxelsim.Sensor(name="noisy", patches=[patch], skin=skin, readout=electronics)
+    text = taxelsim.sensor_text(sensor)
+    (tmp_path / "sensor.yaml").write_text("".join(line for line in text.splitlines(True) if "trigger" not in line))
+    from_file = taxelsim.load_sensor(tmp_path / "sensor.yaml")
+    assert from_file == sensor
+    resolved = taxelsim.load_scene(servo(tmp_path, "load: 1", sensor=str(tmp_path / "sensor.yaml"))).resolved
+    assert "trigger: 0.012\n" in resolved
+
+    simulator = taxelsim.Simulator(taxelsim.Model(device, from_file, [taxelsim.Sphere(radius=0.01)]), num_instances)
+    simulator.set_objects(taxelsim.NO_OBJECT, np.tile([0, 0, 0, 1, 0, 0, 0], (num_instances, 1)))
+    simulator.step(0.01)
+    # A count shows above 3.125 standard deviations: 0.089 % of 16,800 taxels, 15 with a standard deviation of 3.9.
+    assert np.count_nonzero(simulator.read().tactile_image) < 35
+
+
+def test_a_file_whose_trigger_lets_noise_pass_is_noted(tmp_path):
+    text = (taxelsim.SCENES / "sensors/wts0614_realistic.yaml").read_text()
+    noted = []
+    for trigger in ("0.042", "0.014", "0"):
+        (tmp_path / "sensor.yaml").write_text(text.replace("trigger: 0.042", f"trigger: {trigger}"))
+        command = [PROGRAM, "frame", "--sensor", tmp_path / "sensor.yaml", "--object", "sphere:0.01", "--pose", "0 0 0.0095"]
+        lines = subprocess.run(command, capture_output=True, text=True, check=True).stderr.splitlines()
+        noted.append([line for line in lines if "trigger" in line])
+    message = "readout.trigger: 0.014 N is less than three standard deviations of the noise, 0.02125 N: taxels read without touch"
+    assert noted == [[], [f"info: {tmp_path}/sensor.yaml:25:12: {message}"], [noted[1][0].replace("0.014 N", "0 N")]]
+
+
 # == Warnings come once, through logging ==
 
 

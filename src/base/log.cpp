@@ -35,6 +35,8 @@ void log(LogLevel level, std::string_view line) {
   switch (level) {
     case LogLevel::kDebug:
       return logger().debug(line);
+    case LogLevel::kInfo:
+      return logger().info(line);
     case LogLevel::kWarning:
       return logger().warn(line);
     case LogLevel::kError:
@@ -57,6 +59,10 @@ void setLogSink(LogSink new_sink) {
 
 void logDebug(std::string_view line) {
   log(LogLevel::kDebug, line);
+}
+
+void logInfo(std::string_view line) {
+  if (isFirst(line)) log(LogLevel::kInfo, line);
 }
 
 void logWarning(std::string_view line) {

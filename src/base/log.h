@@ -6,7 +6,8 @@
 namespace taxelsim {
 
 void logDebug(std::string_view line);
-// A line that was logged before is dropped.
+// A line of these two that was logged before is dropped.
+void logInfo(std::string_view line);
 void logWarning(std::string_view line);
 void logError(std::string_view line);
 

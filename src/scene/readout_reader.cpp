@@ -7,6 +7,7 @@
 #include "scene/curve_reader.h"
 #include "scene/terms_reader.h"
 #include "sensor/fields.h"
+#include "taxelsim/sensor_hints.h"
 
 namespace taxelsim {
 namespace {
@@ -77,6 +78,31 @@ void readHysteresis(const YamlMap& map, Readout& readout) {
              std::to_string(readout.hysteresis_width.size()) + " of hysteresis_width: as many of both");
 }
 
+bool hasTrigger(const YamlMap& map) {
+  return map.has("trigger") || map.has("taxel_trigger");
+}
+
+// The default of the trigger follows from the noise, which is after it in the canonical text.
+double defaultTrigger(const YamlMap& map, Readout readout) {
+  Canonical unused;
+  const YamlMap unwritten(map, unused);
+  readFields(unwritten, kOutputFields, readout);
+  readFields(unwritten, kNoiseFields, readout);
+  return noiseTrigger(readout);
+}
+
+// Notes a trigger that noise exceeds often. Taxels with a negative one are meant to read without a load.
+void noteVisibleNoise(const YamlMap& map, const Readout& readout) {
+  if (!hasTrigger(map)) return;
+  const std::vector<double>& triggers = readout.taxel_trigger;
+  const double least = triggers.empty() ? readout.trigger : *std::min_element(triggers.begin(), triggers.end());
+  const double silent = noiseTrigger(readout);
+  if (least < 0 || least >= silent) return;
+  map.require(triggers.empty() ? "trigger" : "taxel_trigger", "")
+      .note(canonicalNumber(least) + " N is less than three standard deviations of the noise, " + canonicalNumber(silent) +
+            " N: taxels read without touch");
+}
+
 // The electronics for shear, if the file has them.
 std::optional<ThreeAxisReadout> readThreeAxis(const YamlMap& readout) {
   if (!readout.has("three_axis")) return {};
@@ -116,12 +142,14 @@ Readout readReadout(const YamlMap& sensor, const std::vector<GridPatch>& patches
   const YamlMap map(sensor, "readout", keys);
   Readout readout;
   readCurve(map, readout);
+  if (!hasTrigger(map)) readout.trigger = defaultTrigger(map, readout);
   readFields(map, kOutputFields, readout);
   const std::uint64_t full_scale = (std::uint64_t{1} << readout.adc_bits) - 1;
   readout.saturation = static_cast<int>(map.integer("saturation", 1, full_scale, full_scale));
   readFields(map, kNoiseFields, readout);
   readout.taxel_gain = readPerTaxel(map, "taxel_gain", Allowed::atLeast(0, ""), patches);
   readout.taxel_trigger = readPerTaxel(map, "taxel_trigger", Allowed::any("N"), patches);
+  noteVisibleNoise(map, readout);
   readout.calibrated_gain = readPerTaxel(map, "calibrated_gain", Allowed::atLeast(0, ""), patches);
   readHysteresis(map, readout);
   readout.creep = readTerms(map, "creep", kMaxCreepTerms, kCreepFields);

@@ -117,14 +117,21 @@ KeyForms formsOf(std::string_view key) {
 
 }  // namespace
 
-void YamlNode::fail(const std::string& message) const {
+std::string YamlNode::withPlace(const std::string& message) const {
   const std::string position = *file_ + ":" + std::to_string(line_) + ":" + std::to_string(column_) + ": ";
-  throw Error(ErrorKind::kInput, oneLine(position + (path_.empty() ? "" : path_ + ": ") + message));
+  return oneLine(position + (path_.empty() ? "" : path_ + ": ") + message);
+}
+
+void YamlNode::fail(const std::string& message) const {
+  throw Error(ErrorKind::kInput, withPlace(message));
 }
 
 void YamlNode::warn(const std::string& message) const {
-  logWarning(
-      oneLine(*file_ + ":" + std::to_string(line_) + ":" + std::to_string(column_) + ": " + (path_.empty() ? "" : path_ + ": ") + message));
+  logWarning(withPlace(message));
+}
+
+void YamlNode::note(const std::string& message) const {
+  logInfo(withPlace(message));
 }
 
 void YamlNode::refuse(const std::string& allowed) const {

@@ -36,8 +36,9 @@ class YamlNode {
 
   // Throws Error(kInput) with this node's position and path.
   [[noreturn]] void fail(const std::string& message) const;
-  // Logs a warning with this node's position and path.
+  // Log a warning, or a note of lower level, with this node's position and path.
   void warn(const std::string& message) const;
+  void note(const std::string& message) const;
   // As fail(): "value is not allowed: allowed".
   [[noreturn]] void refuse(const std::string& allowed) const;
   // The same for an error of a field below this node ("readout.taxel_gain[3]"), at the position of that field, or of the nearest block
@@ -60,6 +61,8 @@ class YamlNode {
 
  private:
   friend class YamlMap;
+
+  std::string withPlace(const std::string& message) const;
 
   const YamlTree* tree_;
   const std::string* file_;

@@ -57,6 +57,23 @@ TEST(SensorFile, HasTheDefaultsOfTheHeader) {
   EXPECT_EQ(sensor.readout.dead_taxel_probability, Readout{}.dead_taxel_probability);
 }
 
+// Three standard deviations of the noise are the trigger of a file that gives none.
+TEST(SensorFile, NoiseAloneIsNoContact) {
+  const auto readout = [](const std::string& settings) {
+    return load("num_rows: 1\nnum_cols: 2\npitch_mm: 3\nskin: {thickness_mm: 2, normal_contact_stiffness: 1e8}\nreadout: {" + settings +
+                "}\n")
+        .readout;
+  };
+  EXPECT_EQ(readout("curve: {counts_per_newton: 1000}").trigger, 0);
+  EXPECT_EQ(readout("curve: {counts_per_newton: 1000}, noise: 4").trigger, 0.012);
+  EXPECT_EQ(readout("curve: {counts_per_newton: 1000}, noise: 4, output_scale: 2").trigger, 0.006);
+  EXPECT_EQ(readout("curve: {coefficients: [400, 1]}, noise: 4").trigger, 0.03);
+  EXPECT_EQ(readout("curve: {points: [[0.5, 100], [1, 2400]]}, noise: 4").trigger, 0.06);
+  EXPECT_EQ(readout("curve: {coefficients: [0, 400]}, noise: 4").trigger, 0) << "none silences it";
+  EXPECT_EQ(readout("curve: {counts_per_newton: 1000}, noise: 4, trigger: 0").trigger, 0);
+  EXPECT_EQ(readout("curve: {counts_per_newton: 1000}, noise: 4, taxel_trigger: [0.1, 0.2]").trigger, 0);
+}
+
 TEST(SensorFile, ReadsEverySetting) {
   const Sensor sensor = load(R"(patches:
   - {name: a, num_rows: 1, num_cols: 2, pitch_mm: [3, 4], pose: {position_mm: [1, 2, 3], rotation: [0, 1, 0, 0]}}
