@@ -614,6 +614,22 @@ def test_log_level_and_stderr():
 
 # == inspect says what it verified ==
 
+
+def test_inspect_says_that_nothing_has_changed(tmp_path):
+    command = [PROGRAM, "generate", servo(tmp_path, "load: 1"), "-o", tmp_path / "out", "--episodes", "8"]
+    subprocess.run(command, capture_output=True, check=True)
+    subprocess.run([PROGRAM, "finish", tmp_path / "out"], capture_output=True, check=True)
+
+    def inspected(*options: str) -> str:
+        return subprocess.run([PROGRAM, "inspect", tmp_path / "out", *options], capture_output=True, text=True, check=True).stdout
+
+    sentence = "scene verified; 4 of 4 shards unchanged since they were verified (sizes and times); --verify reads all bytes"
+    assert sentence in inspected()
+    assert "scene and all bytes of all shards on disk verified" in inspected("--verify")
+    (tmp_path / "out/shard-000001.h5").touch()
+    assert sentence.replace("4 of", "3 of").replace("times);", "times), all bytes of 1 verified now;") in inspected()
+
+
 # == Typos are found before the program runs ==
 
 # == Documents run as they are printed ==

@@ -182,8 +182,10 @@ std::string checkedText(const Manifest& manifest, const Shards& shards, bool qui
 std::string hashText(const Shards& shards, const std::string& checked) {
   if (!shards.broken.empty()) return fmt::format("checksum mismatch in {}", shardsText(shards.broken));
   if (shards.vouched_for == 0) return fmt::format("scene and {} of all shards on disk verified", checked);
-  return fmt::format("scene and all bytes of {} shards verified; {} have the sizes and times of dataset.checksums, --verify reads them",
-                     countText(shards.whole - shards.vouched_for), countText(shards.vouched_for));
+  const std::uint64_t num_read = shards.whole - shards.vouched_for;
+  return fmt::format("scene verified; {} of {} shards unchanged since they were verified (sizes and times){}; --verify reads all bytes",
+                     countText(shards.vouched_for), countText(shards.whole),
+                     num_read > 0 ? fmt::format(", all bytes of {} verified now", countText(num_read)) : "");
 }
 
 using Rows = std::vector<std::vector<std::string>>;

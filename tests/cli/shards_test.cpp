@@ -105,6 +105,8 @@ TEST(Shards, InspectReadsASampleOfManyAndNoticesChanges) {
   EXPECT_EQ(all["statistics_of_shards"], 20);
   const Outcome text = runTaxelsim({"inspect", out});
   EXPECT_NE(text.out.find("values    of 16 of 20 shards; --verify reads all"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find(" of 20 shards unchanged since they were verified (sizes and times)"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("; --verify reads all bytes\n"), std::string::npos) << text.out;
 
   std::filesystem::remove(out + "/shard-000019.h5");
   EXPECT_EQ(inspect({})["shards"]["missing"], nlohmann::json::array({19}));
