@@ -13,6 +13,7 @@
 Units are SI. Arrays have the batch as first axis.
 """
 
+from . import _start  # noqa: F401, first: it prepares the process for the other imports
 from ._core import (
     TASK_MEASURES,
     AreaStiffness,

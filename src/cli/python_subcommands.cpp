@@ -1,16 +1,17 @@
 #include "cli/python_subcommands.h"
 
-#include <fcntl.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <csignal>
+#include <cstdlib>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "base/text.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim::cli {
@@ -50,18 +51,34 @@ bool isChosen(const PythonSubcommand& subcommand, int argc, const char* const* a
          (subcommand.words[0].empty() || findWord(subcommand, argc, argv) != argv + argc);
 }
 
-// Exit status 0 if python3 finds the package.
-bool hasPackage() {
-  const char* const probe[] = {"python3", "-c", "import importlib.util, sys\nsys.exit(importlib.util.find_spec('taxelsim') is None)",
-                               nullptr};
-  posix_spawn_file_actions_t quiet;
-  ::posix_spawn_file_actions_init(&quiet);
-  ::posix_spawn_file_actions_addopen(&quiet, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-  pid_t child = 0;
-  const int error = ::posix_spawnp(&child, probe[0], &quiet, nullptr, const_cast<char* const*>(probe), environ);
-  ::posix_spawn_file_actions_destroy(&quiet);
-  int status = 0;
-  return error == 0 && ::waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+// Runs the package. argv[1] is what to say where it is not installed. `python3 -m` and `python3 -c` put the current folder first in the
+// path; files of a stranger's data set must not replace modules.
+constexpr const char* kStart = R"(import sys
+sys.path[:] = filter(None, sys.path)
+problem, sys.argv[:2] = sys.argv[1], ["taxelsim"]
+from importlib.util import find_spec
+if find_spec("taxelsim") is None:
+    sys.exit(print(problem, file=sys.stderr) or 2)
+from taxelsim.program import main
+main())";
+
+// An empty entry of PYTHONPATH is the current folder; "$PYTHONPATH:/x" has one where the variable was not set.
+void removeEmptyEntries(const char* name) {
+  const char* const value = std::getenv(name);
+  if (value == nullptr) return;
+  std::istringstream entries(value);
+  std::string kept;
+  for (std::string entry; std::getline(entries, entry, ':');)
+    if (!entry.empty()) kept += (kept.empty() ? "" : ":") + entry;
+  ::setenv(name, kept.c_str(), /*overwrite=*/1);
+}
+
+// Python prints a traceback for a signal that comes while it starts. The package takes the signal as soon as it is imported.
+void blockInterrupts() {
+  sigset_t interrupts;
+  ::sigemptyset(&interrupts);
+  ::sigaddset(&interrupts, SIGINT);
+  ::pthread_sigmask(SIG_BLOCK, &interrupts, nullptr);
 }
 
 }  // namespace
@@ -82,19 +99,21 @@ bool isPythonCommand(int argc, const char* const* argv) {
 }
 
 void runInPython(int argc, char** argv) {
-  if (hasPackage()) {
-    std::vector<const char*> words{"python3", "-m", "taxelsim"};
-    words.insert(words.end(), argv + 1, argv + argc);
-    words.push_back(nullptr);
-    ::execvp(words[0], const_cast<char* const*>(words.data()));
-  }
   const auto chosen = std::find_if(kPythonSubcommands.begin(), kPythonSubcommands.end(),
                                    [&](const PythonSubcommand& subcommand) { return isChosen(subcommand, argc, argv); });
-  std::string words = argv[1];
-  if (const char* const* word = findWord(*chosen, argc, argv); word != argv + argc) words += " " + std::string(*word);
-  throw Error(ErrorKind::kInput, words +
-                                     " needs the Python package taxelsim, which python3 does not find: pip install . in a virtual "
-                                     "environment (docs/python.md)");
+  std::string subcommand = argv[1];
+  if (const char* const* word = findWord(*chosen, argc, argv); word != argv + argc) subcommand += " " + std::string(*word);
+  const std::string problem = messageLine(subcommand +
+                                          " needs the Python package taxelsim, which python3 does not find: pip install . in a virtual "
+                                          "environment (docs/python.md)");
+  const std::string line = "taxelsim: " + problem;
+  std::vector<const char*> words{"python3", "-c", kStart, line.c_str()};
+  words.insert(words.end(), argv + 1, argv + argc);
+  words.push_back(nullptr);
+  removeEmptyEntries("PYTHONPATH");
+  blockInterrupts();
+  ::execvp(words[0], const_cast<char* const*>(words.data()));
+  throw Error(ErrorKind::kInput, problem);
 }
 
 }  // namespace taxelsim::cli

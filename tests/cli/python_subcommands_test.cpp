@@ -18,19 +18,21 @@ std::vector<std::string> withPython(const TemporaryDirectory& root, const std::s
 }
 
 TEST(PythonSubcommands, NeedThePythonPackage) {
-  const TemporaryDirectory root;
-  const Outcome outcome = runTaxelsim({"evaluate", "scene.yaml", "--policy", "p.onnx"}, {.environment = withPython(root, "exit 1")});
+  const TemporaryDirectory root, nothing;
+  const auto without_packages = withPython(root, "PATH=/usr/bin:/bin exec python3 -I -S \"$@\"");
+  const Outcome outcome = runTaxelsim({"evaluate", "scene.yaml", "--policy", "p.onnx"}, {.environment = without_packages});
   expectRefused(outcome, "evaluate --policy needs the Python package taxelsim");
   const std::vector<std::string> video{"render", "out", "-o", "a.mp4"};
-  expectRefused(runTaxelsim(video, {.environment = withPython(root, "exit 1")}), "render a.mp4 needs the Python package taxelsim");
+  for (const auto& environment : {without_packages, {"PATH=" + nothing.path().string()}})
+    expectRefused(runTaxelsim(video, {.environment = environment}), "render a.mp4 needs the Python package taxelsim");
 }
 
 TEST(PythonSubcommands, RunInPython) {
   const TemporaryDirectory root;
-  const auto environment = withPython(root, "if [ \"$1\" = -m ]; then echo \"$@\"; exit 7; fi");
+  const auto environment = withPython(root, "if [ \"$1\" = -c ]; then shift 3; echo \"$@\"; exit 7; fi");
   const Outcome outcome = runTaxelsim({"evaluate", "scene.yaml", "--policy=p.onnx", "--json"}, {.environment = environment});
   EXPECT_EQ(outcome.status, 7) << outcome.err;
-  EXPECT_EQ(outcome.out, "-m taxelsim evaluate scene.yaml --policy=p.onnx --json\n");
+  EXPECT_EQ(outcome.out, "evaluate scene.yaml --policy=p.onnx --json\n");
 }
 
 }  // namespace

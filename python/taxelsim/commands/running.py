@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable
 
 from .._log import stderr_handler
+from .._start import end_on_interrupt, raise_interrupts
 from ..errors import Error, InputError
 
 
@@ -19,6 +20,7 @@ def run_command(name: str, run: Callable[[], int | None]) -> int:
     """
     logging.basicConfig(handlers=[stderr_handler()])
     try:
+        raise_interrupts()
         return run() or 0
     except KeyboardInterrupt:
         return 130
@@ -27,3 +29,5 @@ def run_command(name: str, run: Callable[[], int | None]) -> int:
     except (Error, ImportError, OSError) as error:
         print(f"taxelsim {name}: {error}", file=sys.stderr)
         return 2 if isinstance(error, InputError | ImportError) else 1
+    finally:
+        end_on_interrupt()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
@@ -22,6 +21,7 @@ if TYPE_CHECKING:
 
 LOOPBACK = "127.0.0.1"
 GRPC_PORT, WEB_PORT = 9876, 9090  # defaults of Rerun
+INTERRUPTED = 130
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -73,6 +73,8 @@ def save(recording: rerun.RecordingStream, file: Path) -> None:
 
 def _show(recording: rerun.RecordingStream, *, web: bool) -> None:
     """Runs the viewer of rerun-sdk until it is closed. It listens on the loopback interface only."""
+    from rerun_cli.__main__ import main as run_viewer  # `python3 -m rerun` would look for it in the current folder first
+
     web_options = ["--web-viewer-port", str(WEB_PORT), "--web-viewer" if _has_display() else "--serve-web"] if web else []
     ports = f"ports {WEB_PORT} and {GRPC_PORT}" if web else f"port {GRPC_PORT}"
     place = f"open http://{LOOPBACK}:{WEB_PORT}/?url=rerun%2Bhttp://{LOOPBACK}:{GRPC_PORT}/proxy; Ctrl-C ends. " if web else ""
@@ -80,7 +82,9 @@ def _show(recording: rerun.RecordingStream, *, web: bool) -> None:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder, "view.rrd")
         save(recording, file)
-        command = [sys.executable, "-m", "rerun", "--bind", LOOPBACK, "--port", str(GRPC_PORT), *web_options, os.fspath(file)]
-        status = subprocess.run(command, check=False).returncode
+        sys.argv = ["rerun", "--bind", LOOPBACK, "--port", str(GRPC_PORT), *web_options, os.fspath(file)]
+        status = run_viewer()
+    if status == INTERRUPTED:
+        raise KeyboardInterrupt
     if status != 0:
         raise IoError(f"the viewer ended with status {status}; --save FILE.rrd writes a file for another machine")
