@@ -1,4 +1,4 @@
-// Data sets that HDF5 reads in child processes, for taxelsim.Dataset(isolated=True).
+// The reader of data sets, for taxelsim.Dataset: it reads manifest and view, checks shards, and reads rows in child processes.
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/string.h>
@@ -11,6 +11,7 @@
 
 #include "bind.h"
 #include "taxelsim/dataset.h"
+#include "taxelsim/error.h"
 #include "without_gil.h"
 
 namespace taxelsim::python {
@@ -25,8 +26,17 @@ nb::object arrayOf(std::vector<T> values) {
   return nb::ndarray<nb::numpy, T, nb::ndim<1>>(data, {size}, owner).cast();
 }
 
-void open(DatasetReader* self, const std::filesystem::path& folder) {
-  new (self) DatasetReader(folder, /*allow_incomplete=*/false, /*isolated=*/true);
+// Not isolated: refuses a missing or broken view, instead of reading all shards in its place.
+void open(DatasetReader* self, const std::filesystem::path& folder, bool isolated) {
+  const WithoutGil released;
+  if (!isolated) {
+    const ViewStatus view = checkView(folder);
+    if (view.state == ViewStatus::State::kBroken) throw Error(ErrorKind::kInput, view.problem);
+    if (view.state == ViewStatus::State::kMissing)
+      throw Error(ErrorKind::kInput,
+                  folder.string() + ": the data set is not complete: it has no dataset.h5; run generate again to resume it");
+  }
+  new (self) DatasetReader(folder, /*allow_incomplete=*/false, isolated);
 }
 
 nb::object readRows(const DatasetReader& reader, const std::string& column, std::uint64_t first, std::uint64_t count) {
@@ -51,8 +61,8 @@ void bindDataset(nb::module_& module) {
       .def_ro("description", &Column::description)
       .def_ro("value_names", &Column::value_names)
       .def_ro("bit_names", &Column::bit_names);
-  nb::class_<DatasetReader>(module, "IsolatedReader", "Reads a data set in child processes.")
-      .def("__init__", &open, "folder"_a)
+  nb::class_<DatasetReader>(module, "DatasetReader", "Reads a data set. isolated: in child processes, as always for format 1.")
+      .def("__init__", &open, "folder"_a, "isolated"_a)
       .def_prop_ro("columns", [](const DatasetReader& self) { return self.manifest().columns; })
       .def_prop_ro("format_version", [](const DatasetReader& self) { return self.manifest().format_version; })
       .def_prop_ro("seed", [](const DatasetReader& self) { return self.manifest().seed; })
@@ -61,9 +71,14 @@ void bindDataset(nb::module_& module) {
       .def_prop_ro("program_version", [](const DatasetReader& self) { return self.manifest().program_version; })
       .def_prop_ro("device", [](const DatasetReader& self) { return self.manifest().device; })
       .def_prop_ro("num_shards", [](const DatasetReader& self) { return self.manifest().numShards(); })
+      .def_prop_ro("episodes_per_shard", [](const DatasetReader& self) { return self.manifest().episodes_per_shard; })
       .def_prop_ro(
           "episode_ends", [](const DatasetReader& self) { return arrayOf(self.episodeEnds()); },
           nb::sig("def episode_ends(self) -> numpy.typing.NDArray[typing.Any]"))
+      .def(
+          "check_shard", &DatasetReader::checkShard, "shard"_a, "contents"_a, nb::call_guard<WithoutGil>(),
+          "Checks a shard but for its checksum, so that HDF5 can read its columns without leaving the file. contents: in format 1, whether "
+          "to compare all columns with their SHA-256.")
       .def("read", &readRows, "column"_a, "first"_a, "count"_a,
            nb::sig("def read(self, column: str, first: int, count: int) -> numpy.typing.NDArray[typing.Any]"),
            "Bytes of rows [first, first + count).");

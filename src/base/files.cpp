@@ -103,6 +103,7 @@ void createDirectories(const std::filesystem::path& directory) {
 std::string inputFileProblem(const std::filesystem::path& file, std::uintmax_t max_bytes) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(file, error);
+  if (!std::filesystem::status_known(status)) return "cannot be read: " + error.message();
   if (!std::filesystem::exists(status)) return "no such file";
   if (std::filesystem::is_directory(status)) return "a directory, not a file";
   if (!std::filesystem::is_regular_file(status)) return "not a regular file";

@@ -1,5 +1,6 @@
 #include "dataset/hdf5.h"
 
+#include <pthread.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -22,6 +23,8 @@ constexpr std::size_t kSuperblockSize = 48;
 
 std::mutex& libraryMutex() {
   static std::mutex mutex;
+  // Any fork() of the process waits for the lock, so that the child finds it free.
+  [[maybe_unused]] static const int registered = ::pthread_atfork([] { mutex.lock(); }, [] { mutex.unlock(); }, [] { mutex.unlock(); });
   return mutex;
 }
 
@@ -86,7 +89,7 @@ Hdf5Session::~Hdf5Session() {
 }
 
 pid_t forkWithHdf5() {
-  const std::lock_guard lock(libraryMutex());  // in the child, too
+  libraryMutex();  // whose handlers make the child safe
   return ::fork();
 }
 

@@ -12,6 +12,7 @@ namespace taxelsim::dataset {
 namespace {
 
 constexpr const char* kReadFailed = "file read failed";  // in HDF5's message: the system refused a read, the file may be intact
+constexpr std::uint64_t kSecondsTogether = 1;            // of empty files; a file that hangs takes this and then its own limit
 
 }  // namespace
 
@@ -52,9 +53,7 @@ bool readHdf5Together(std::span<const Hdf5Read> reads) {
     }
   };
   try {
-    ChildLimits limits;
-    limits.seconds += file_bytes / kChildBytesPerSecond;
-    readInChild(reads.front().file, all, readAll, limits);
+    readInChild(reads.front().file, all, readAll, {.seconds = kSecondsTogether + file_bytes / kChildBytesPerSecond});
   } catch (const Error& error) {
     if (error.kind() == ErrorKind::kIo) throw;
     return false;

@@ -27,8 +27,9 @@ struct Hdf5Read {
   std::function<void(std::span<std::byte>)> read;
 };
 
-// Reads all files in one child process: a process for each takes longer than reading a small file. Returns false if one of them fails; no
-// bytes are valid then, and readHdf5() of each file finds which one and why. Throws Error(kIo) if there is no child.
+// Reads all files in one child process: a process for each takes longer than reading a small file. Returns false if one of them fails, or
+// if all of them take more than a second beyond the time for their bytes; no bytes are valid then, and readHdf5() of each file, with the
+// limits of a file, finds which one and why. Throws Error(kIo) if there is no child.
 bool readHdf5Together(std::span<const Hdf5Read> reads);
 
 // Throws Error(kInput) if the file is too small for the ends of so many episodes, before anything of that size is allocated.

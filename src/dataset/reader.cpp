@@ -42,7 +42,9 @@ std::vector<double> toDoubles(std::span<const std::byte> bytes) {
 Manifest readManifest(const fs::path& directory) {
   std::error_code error;
   const fs::path file = directory / kManifestName;
-  if (!fs::exists(file, error)) throw Error(ErrorKind::kInput, directory.string() + ": no data set: it has no " + kManifestName);
+  const fs::file_status status = fs::status(file, error);
+  if (!fs::status_known(status)) throw Error(ErrorKind::kIo, "cannot read " + file.string() + ": " + error.message());
+  if (!fs::exists(status)) throw Error(ErrorKind::kInput, directory.string() + ": no data set: it has no " + kManifestName);
   return parseManifest(file, readTextFile(file, kMaxManifestBytes));
 }
 
@@ -118,6 +120,8 @@ struct DatasetReader::Impl {
   void addShard(const ShardFile& file, bool is_checked, std::span<const std::uint64_t> ends);
   // Checks shards before the first row of each is read.
   void check(std::span<Shard> parts) const;
+  // Throws Error(kInput) unless the episodes of a shard end where those of the data set do.
+  void compareEnds(const Shard& shard, std::span<const std::uint64_t> ends) const;
   const Column& column(const std::string& name) const;
 };
 
@@ -150,12 +154,15 @@ void DatasetReader::Impl::check(std::span<Shard> parts) const {
   }
   const std::vector<std::vector<std::uint64_t>> ends = checkShardFiles(files, manifest, /*contents=*/true, isolation);
   for (std::size_t k = 0; k < unchecked.size(); ++k) {
-    Shard& shard = *unchecked[k];
-    for (std::size_t i = 0; i < ends[k].size(); ++i) {
-      if (shard.first_frame + ends[k][i] != episode_ends[shard.first_episode + i])
-        throw Error(ErrorKind::kInput, shard.source.file.string() + ": its episodes have other lengths than in " + kViewName);
-    }
-    shard.is_checked = true;
+    compareEnds(*unchecked[k], ends[k]);
+    unchecked[k]->is_checked = true;
+  }
+}
+
+void DatasetReader::Impl::compareEnds(const Shard& shard, std::span<const std::uint64_t> ends) const {
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    if (shard.first_frame + ends[i] != episode_ends[shard.first_episode + i])
+      throw Error(ErrorKind::kInput, shard.source.file.string() + ": its episodes have other lengths than in " + kViewName);
   }
 }
 
@@ -178,7 +185,7 @@ DatasetReader::DatasetReader(fs::path directory, bool allow_incomplete, bool iso
     else if (allow_incomplete)
       impl_->missing.push_back(number);
     else
-      throw Error(ErrorKind::kInput, one.file.string() + ": this shard is missing: the data set is not complete");
+      throw Error(ErrorKind::kInput, one.file.string() + ": the shard is missing; run generate again to write it");
   }
   if (all_ends.empty()) {
     const auto ends = checkShardFiles(files, impl_->manifest, /*contents=*/false, impl_->isolation);
@@ -212,6 +219,12 @@ const std::vector<std::uint64_t>& DatasetReader::episodeEnds() const {
 }
 const std::vector<std::uint64_t>& DatasetReader::missingShards() const {
   return impl_->missing;
+}
+
+void DatasetReader::checkShard(std::uint64_t number, bool contents) const {
+  const auto shard = std::ranges::find(impl_->shards, number, [](const Impl::Shard& one) { return one.source.shard; });
+  if (shard == impl_->shards.end()) throw Error(ErrorKind::kInput, shardName(number) + ": the data set has no such shard");
+  impl_->compareEnds(*shard, checkShardContents({&shard->source, 1}, impl_->manifest, contents, impl_->isolation).front());
 }
 
 std::vector<std::byte> DatasetReader::read(const std::string& name, std::uint64_t first, std::uint64_t count) const {

@@ -197,7 +197,7 @@ TEST(Corruption, ReportsMissingShards) {
   const TemporaryDirectory directory;
   writeExample(directory / "d", exampleManifest());
   std::filesystem::remove(directory / "d/shard-000001.h5");
-  expectError(ErrorKind::kInput, "shard-000001.h5: this shard is missing", [&] { DatasetReader(directory / "d"); });
+  expectError(ErrorKind::kInput, "shard-000001.h5: the shard is missing", [&] { DatasetReader(directory / "d"); });
   const DatasetReader reader(directory / "d", /*allow_incomplete=*/true);
   EXPECT_EQ(reader.missingShards(), std::vector<std::uint64_t>{1});
   EXPECT_EQ(reader.numEpisodes(), 7u);

@@ -2,10 +2,12 @@
 // bounded time and memory.
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
 #include <csignal>
+#include <future>
 #include <thread>
 
 #include "dataset/child_reading.h"
@@ -70,6 +72,27 @@ TEST(ReadInChild, LimitsMemory) {
       if (large[5] != 'a') _exit(1);
     });
   });
+}
+
+// Workers of torch are forked while other threads read.
+TEST(Hdf5Session, IsFreeInAForkedChild) {
+  std::promise<void> held;
+  std::thread other([&] {
+    const dataset::Hdf5Session session;
+    held.set_value();
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  });
+  held.get_future().wait();
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(10);
+    const dataset::Hdf5Session session;
+    _exit(0);
+  }
+  int status = -1;
+  EXPECT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_EQ(status, 0) << "the child waits for a thread that it does not have";
+  other.join();
 }
 
 // Not even a child reads what cannot be a shard.

@@ -56,7 +56,7 @@ def verified_files(folder: Path) -> dict[str, Stamp]:
 
 
 def verify(file: Path) -> None:
-    """Compares a file with its checksum file `NAME.sha256`, unless that was done before. Throws InputError if they differ."""
+    """Compares a file with its checksum file `NAME.sha256`, unless that was done before. Throws InputError if they differ, IoError."""
     if is_verified(file):
         return
     checksum = file.with_name(file.name + ".sha256")
@@ -66,8 +66,10 @@ def verify(file: Path) -> None:
             raise FileNotFoundError(checksum)
         with checksum.open("rb") as stream:
             line = stream.read(1024)
-    except OSError as error:
+    except FileNotFoundError as error:
         raise InputError(f"{file}: its checksum file {checksum.name} is missing") from error
+    except OSError as error:
+        raise IoError(f"{checksum}: {error.strerror}") from error
     expected, _, name = line.decode("ascii", "replace").partition("  ")
     if name != file.name + "\n" or len(expected) != 64:
         raise InputError(f"{checksum}: is not a line of sha256sum for {file.name}")

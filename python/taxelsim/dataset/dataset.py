@@ -11,13 +11,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _core
 from .._arguments import checked_count, checked_names
 from .._counts import IMAGE_UNITS
 from ..errors import InputError
 from .checksums import Stamp, remember, verified_files
 from .column import Column, texts_of
-from .isolated import IsolatedShards, open_isolated
-from .layout import ENDS, ColumnInfo, read_layout
+from .isolated import IsolatedShards
+from .layout import ENDS, ColumnInfo, by_shard, hdf5, layout_of
 from .rows import Rows, checked_index, checked_rows
 from .shards import Shards
 from .windows import Windows, windows_class
@@ -39,7 +40,8 @@ class Dataset:
     isolated: for data sets from strangers, of format 1 above all: HDF5 reads in child processes with limits of memory and time, so that
         a file that crashes or hangs it raises InputError. Slower, as each read starts a process; needs no h5py.
 
-    A shard is compared with its SHA-256 when its first row is read, once per process; a damaged one raises InputError.
+    A shard is compared with its SHA-256 and the manifest when its first row is read; the SHA-256 once per process. A damaged shard, and one
+    with links out of its file, raises InputError.
     Shards stay open. Uncompressed columns are memory-mapped. Any thread may read. Forked processes open the shards again, and so
     does a copy that was pickled; neither verifies again what was verified before.
     """
@@ -49,11 +51,15 @@ class Dataset:
         self._cache_bytes = checked_count("cache_bytes", cache_bytes)
         self._isolated = isolated
         self._shards: Shards | IsolatedShards
+        if not isolated:
+            hdf5()  # first, so that an error about a file is never one about the package
+        reader = _core.DatasetReader(self.folder, isolated)
+        self._layout = layout_of(self.folder, reader)
         if isolated:
-            self._layout, self._shards = open_isolated(self.folder)
+            self._shards = IsolatedShards(reader)
             return
-        self._layout = read_layout(self.folder)
-        self._shards = Shards(self._layout, self._cache_bytes)
+        self._layout = by_shard(self._layout, reader)
+        self._shards = Shards(self._layout, reader, self._cache_bytes)
 
     def __reduce__(self) -> Any:
         state = self.folder, self._cache_bytes, verified_files(self.folder), self._identity(), self._isolated
@@ -87,7 +93,7 @@ class Dataset:
 
     @property
     def attributes(self) -> dict[str, Any]:
-        """Attributes of dataset.h5: format_version, seed, scene_sha256, policy, ..."""
+        """format_version, seed, scene_sha256, policy, and the numbers of shards, episodes and frames."""
         return dict(self._layout.attributes)
 
     def __contains__(self, name: object) -> bool:

@@ -36,7 +36,7 @@ class Provenance:
     @staticmethod
     def of(folder: Path) -> Provenance:
         """The provenance of a complete data set. Raises InputError."""
-        reader = _core.IsolatedReader(folder)
+        reader = _core.DatasetReader(folder, isolated=True)
         names = ("format_version", "program_version", "device", "policy", "seed")
         return Provenance(**{name: getattr(reader, name) for name in names}, scene=reader.scene.decode(), num_shards=reader.num_shards)
 

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import hashlib
 import mmap
 import os
 import threading
 from collections import OrderedDict
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _core
 from ..errors import InputError, IoError
 from .checksums import is_verified, remember, stamp_of, verify
-from .layout import ENDS, HDF5_ERRORS, ColumnInfo, Layout, attributes_of, open_file, text_of
+from .layout import HDF5_ERRORS, ColumnInfo, Layout, open_file
 from .rows import Rows, groups
 
 MAX_OPEN_SHARDS = 128  # two file descriptors each; processes may have 1024 by default
@@ -50,46 +49,33 @@ class Inflated:
 class Shard:
     """One open shard. Uncompressed columns are memory-mapped; of compressed ones whole chunks are read."""
 
-    def __init__(self, layout: Layout, number: int, inflated: Inflated) -> None:
+    def __init__(self, layout: Layout, reader: _core.DatasetReader, number: int, inflated: Inflated) -> None:
         self._number = number
         self._file = layout.shard_file(number)
         self._inflated = inflated
         self._columns: dict[str, Any] = {}  # arrays, or h5py datasets of compressed columns
-        is_format_1 = layout.attributes["format_version"] == 1
         if not self._file.is_file():
-            raise InputError(f"{self._file}: the shard is missing; run generate again to write it")
-        if not is_format_1:
+            problem = "is not a regular file" if self._file.exists() else "the shard is missing; run generate again to write it"
+            raise InputError(f"{self._file}: {problem}")
+        if layout.attributes["format_version"] > 1:
             verify(self._file)
+            reader.check_shard(number, contents=False)
+        else:
+            stamp = stamp_of(self._file)
+            reader.check_shard(number, contents=not is_verified(self._file))
+            remember({os.fspath(self._file): stamp})
         try:
             self._hdf5 = open_file(self._file)
             with self._file.open("rb") as stream:
                 self._bytes = mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ)
-            if is_format_1:
-                _verify_columns(self._file, self._hdf5)
-            self._check(layout)
         except HDF5_ERRORS as error:
-            if isinstance(error, InputError | IoError):
-                raise
             raise InputError(f"{self._file}: not a shard that HDF5 can read: {error}") from error
-
-    def _check(self, layout: Layout) -> None:
-        """Whether the shard belongs to the data set."""
-        first, end = layout.first_episodes[self._number : self._number + 2].tolist()
-        same = {name: layout.attributes.get(name) for name in ("format_version", "seed", "scene_sha256", "policy")}
-        found = attributes_of(self._hdf5)
-        for name, expected in {**same, "shard": self._number, "first_episode": first, "num_episodes": end - first}.items():
-            if found.get(name) != expected:
-                raise InputError(f"{self._file}: {name}: {found.get(name)} found, {expected} expected: a shard of another data set")
-        first_frame = layout.first_frames[self._number]
-        if not np.array_equal(self._hdf5[ENDS][:].astype(np.int64) + first_frame, layout.episode_ends[first:end]):
-            raise InputError(f"{self._file}: its episodes have other lengths than in dataset.h5")
-        self._num_episodes, self._num_frames = end - first, int(layout.first_frames[self._number + 1] - first_frame)
 
     def take(self, column: ColumnInfo, rows: Rows) -> NDArray[Any]:
         """Rows of a column, counted from the first one of the shard. A copy."""
         source = self._columns.get(column.name)
         if source is None:
-            source = self._columns[column.name] = self._open(column)
+            source = self._columns[column.name] = self._open(column.name)
         if isinstance(source, np.ndarray):
             taken: NDArray[Any] = source[rows]
             return taken
@@ -100,14 +86,12 @@ class Shard:
             result[places] = self._chunk(source, column.name, number)[rows[places] - number * chunk_rows]
         return result
 
-    def _open(self, column: ColumnInfo) -> Any:
-        data = self._hdf5.get(column.name)
-        num_rows = self._num_episodes if column.is_per_episode else self._num_frames
-        if data is None or (data.shape, data.dtype) != ((num_rows, *column.shape), column.dtype):
-            raise InputError(f"{self._file}: column {column.name} is missing or differs in type or shape from that in dataset.h5")
-        if data.chunks is not None:
-            return data
-        return np.ndarray(data.shape, data.dtype, buffer=self._bytes, offset=data.id.get_offset())
+    def _open(self, name: str) -> Any:
+        try:
+            data = self._hdf5[name]
+            return data if data.chunks else np.ndarray(data.shape, data.dtype, buffer=self._bytes, offset=data.id.get_offset())
+        except HDF5_ERRORS as error:
+            raise InputError(f"{self._file}: column {name}: HDF5 cannot open it: {error}") from error
 
     def _chunk(self, data: Any, name: str, number: int) -> NDArray[Any]:
         key = self._number, name, number
@@ -122,25 +106,12 @@ class Shard:
         return chunk
 
 
-def _verify_columns(file: Path, hdf5: Any) -> None:
-    """Format 1: compares the values of every column with their SHA-256."""
-    if is_verified(file):
-        return
-    stamp = stamp_of(file)
-
-    def check(name: str, item: Any) -> None:
-        if hasattr(item, "dtype") and hashlib.sha256(item[...].tobytes()).hexdigest() != text_of(item.attrs["sha256"]):
-            raise InputError(f"{file}: column {name} differs from its SHA-256: the file was changed")
-
-    hdf5.visititems(check)
-    remember({os.fspath(file): stamp})
-
-
 class Shards:
     """Shards of one process, opened when they are first read. A forked process opens them again."""
 
-    def __init__(self, layout: Layout, cache_bytes: int) -> None:
+    def __init__(self, layout: Layout, reader: _core.DatasetReader, cache_bytes: int) -> None:
         self._layout = layout
+        self._reader = reader
         self._cache_bytes = cache_bytes
         self._reset()
 
@@ -156,7 +127,7 @@ class Shards:
         with self._lock:
             shard = self._open.get(number)
             if shard is None:
-                shard = self._open[number] = Shard(self._layout, number, self._inflated)
+                shard = self._open[number] = Shard(self._layout, self._reader, number, self._inflated)
                 if len(self._open) > MAX_OPEN_SHARDS:
                     self._open.popitem(last=False)  # closed when no other thread reads it any more
             else:
