@@ -20,8 +20,8 @@ namespace {
 
 constexpr std::size_t kTaxelsPerLine = 16;  // for sensors without a single grid
 constexpr const char* kTime = "data/time";
-constexpr std::array kShown{kTactileImage,        "total_force", "ground_truth/total_force", "edge_angle", "edge_confidence",
-                            "center_of_pressure", "eigenvalues"};
+constexpr std::array kShown{kTactileImage, kTaxelCounts,      "total_force",        "ground_truth/total_force",
+                            "edge_angle",  "edge_confidence", "center_of_pressure", "eigenvalues"};
 
 }  // namespace
 
@@ -51,14 +51,23 @@ std::string imageGroup(const Manifest& manifest, const std::string& sensor, cons
   return data + sensor + "/";
 }
 
+std::string shownColumn(const Manifest& manifest, const std::string& group) {
+  return group + (findColumn(manifest, group + kTaxelCounts) != nullptr ? kTaxelCounts : kTactileImage);
+}
+
 std::vector<TaxelOutline> outlinesOf(const Manifest& manifest) {
   const std::optional<Sensor> listed = listedTaxels(manifest);
   return listed ? unrolled(*listed) : std::vector<TaxelOutline>{};
 }
 
-FramePanels::FramePanels(const DatasetReader& reader, std::string group, std::vector<TaxelOutline> outlines, std::uint64_t first,
-                         std::uint64_t count)
-    : manifest_(reader.manifest()), group_(std::move(group)), outlines_(std::move(outlines)), first_(first), count_(count) {
+FramePanels::FramePanels(const DatasetReader& reader, std::string group, std::vector<TaxelOutline> outlines, double least_shear,
+                         std::uint64_t first, std::uint64_t count)
+    : manifest_(reader.manifest()),
+      group_(std::move(group)),
+      outlines_(std::move(outlines)),
+      least_shear_(least_shear),
+      first_(first),
+      count_(count) {
   const auto readColumn = [&](const std::string& key, const std::string& name) {
     const Column* const column = findColumn(manifest_, name);
     if (column != nullptr && !column->per_episode) columns_[key] = reader.readAsDouble(name, first, count);
@@ -113,6 +122,19 @@ TactilePanel FramePanels::imageOf(std::uint64_t frame) const {
   return panel;
 }
 
+// Replaces the values by the counts along the normal, and adds the arrows. Noise reaches all taxels, so there is no outline.
+void FramePanels::showThreeAxes(TactilePanel& panel, std::uint64_t frame) const {
+  const std::vector<double> counts = row(kTaxelCounts, frame);
+  if (counts.empty()) return;
+  panel.arrows.resize(panel.values.size());
+  for (std::size_t t = 0; t < panel.values.size() && 3 * t + 2 < counts.size(); ++t) {
+    if (std::isnan(panel.values[t])) continue;  // a cell without a taxel
+    panel.values[t] = counts[3 * t + 2];
+    if (std::hypot(counts[3 * t], counts[3 * t + 1]) >= least_shear_) panel.arrows[t] = {counts[3 * t], counts[3 * t + 1]};
+  }
+  panel.neighbours = false;
+}
+
 // Recorded features if they are in metres on this grid, otherwise moments of the image.
 std::optional<ContactAxes> FramePanels::axesOf(const TactilePanel& panel, std::uint64_t frame) const {
   if (!panel.neighbours) return std::nullopt;
@@ -152,6 +174,7 @@ std::string FramePanels::captionOf(const TactilePanel& panel, std::uint64_t fram
 TactilePanel FramePanels::panelOf(std::uint64_t frame) const {
   TactilePanel panel = imageOf(frame);
   panel.caption = captionOf(panel, frame);
+  showThreeAxes(panel, frame);
   panel.axes = axesOf(panel, frame);
   return panel;
 }

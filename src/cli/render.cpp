@@ -19,6 +19,7 @@
 #include "cli/scene_name.h"
 #include "figures/tactile_figure.h"
 #include "figures/text.h"
+#include "taxelsim/counts_range.h"
 #include "taxelsim/dataset.h"
 #include "taxelsim/error.h"
 
@@ -38,7 +39,8 @@ struct Arguments {
   std::string directory, picture, sensor;
   int num_frames = 12;
   std::uint64_t episode = 0;
-  double rate = 0;  // 1/s, of the pictures of a stream; 0: all frames
+  double rate = 0;   // 1/s, of the pictures of a stream; 0: all frames
+  double range = 0;  // counts of the brightest colour; 0: from the data set
 };
 
 // Numbers of the episodes that are there, (num_episodes): their places, unless the data set is one of chosen episodes.
@@ -94,14 +96,29 @@ class Titles {
   std::string object_;
 };
 
-FigureOptions optionsOf(const Arguments& arguments, const DatasetReader& reader) {
+// Counts of the brightest colour: those of the whole data set, so that all its pictures and videos have one scale. A broken shard elsewhere
+// leaves the frames [begin, end) of an episode.
+double rangeOf(const Arguments& arguments, const DatasetReader& reader, const std::string& column, std::uint64_t begin, std::uint64_t end) {
+  if (arguments.range > 0) return arguments.range;
+  try {
+    return countsRange(reader, column, 0, reader.numFrames());
+  } catch (const Error& error) {
+    if (end - begin == reader.numFrames()) throw;
+    spdlog::warn("{}; the colours are those of this episode alone", error.what());
+    return countsRange(reader, column, begin, end);
+  }
+}
+
+FigureOptions optionsOf(const Arguments& arguments, const DatasetReader& reader, std::uint64_t begin, std::uint64_t end) {
   const Manifest& manifest = reader.manifest();
   const std::string group = imageGroup(manifest, arguments.sensor, arguments.directory);
-  const std::string name = sceneName(manifest);
-  return {.title = name == "-" ? arguments.directory : name,
-          .subtitle = fmt::format("{}, seed {}, {} episodes, {} frames", manifest.sensor_name, manifest.seed,
-                                  countText(reader.numEpisodes()), countText(reader.numFrames())),
-          .unit = findColumn(manifest, group + kTactileImage)->unit};
+  const std::string name = sceneName(manifest), column = shownColumn(manifest, group);
+  return {
+      .title = name == "-" ? arguments.directory : name,
+      .subtitle = fmt::format("{}, seed {}, {} episodes, {} frames{}", manifest.sensor_name, manifest.seed, countText(reader.numEpisodes()),
+                              countText(reader.numFrames()), column.ends_with(kTaxelCounts) ? "; arrows: shear" : ""),
+      .unit = findColumn(manifest, group + kTactileImage)->unit,
+      .range = rangeOf(arguments, reader, column, begin, end)};
 }
 
 // Draws evenly spaced frames out of [begin, end), with the first and the last one.
@@ -109,13 +126,14 @@ void drawFigure(const Arguments& arguments, const DatasetReader& reader, Titles&
   const std::uint64_t count = std::min<std::uint64_t>(end - begin, static_cast<std::uint64_t>(arguments.num_frames));
   const std::vector<TaxelOutline> outlines = outlinesOf(reader.manifest());
   const std::string group = imageGroup(reader.manifest(), arguments.sensor, arguments.directory);
+  const double least_shear = kShearDeviations * countsNoise(reader.manifest(), shownColumn(reader.manifest(), group));
   std::vector<TactilePanel> panels;
   for (std::uint64_t k = 0; k < count; ++k) {
     const std::uint64_t frame = count == 1 ? begin : begin + k * (end - begin - 1) / (count - 1);
-    panels.push_back(FramePanels(reader, group, outlines, frame, 1).panelOf(frame));
+    panels.push_back(FramePanels(reader, group, outlines, least_shear, frame, 1).panelOf(frame));
     panels.back().title = titles.of(frame);
   }
-  writeTactileFigure(arguments.picture, panels, optionsOf(arguments, reader));
+  writeTactileFigure(arguments.picture, panels, optionsOf(arguments, reader, begin, end));
   printOut("{}: {} frames\n", arguments.picture, count);
 }
 
@@ -132,27 +150,21 @@ void streamPictures(const Arguments& arguments, const DatasetReader& reader, Tit
   const Column* const time = findColumn(reader.manifest(), "data/time");
   if (time == nullptr || time->per_episode || !time->shape.empty())
     throw Error(ErrorKind::kInput, arguments.directory + ": no column data/time with one number per frame");
-  const auto each = [&](auto function) {
-    for (std::uint64_t first = begin; first < end; first += kFramesAtOnce) function(first, std::min(kFramesAtOnce, end - first));
-  };
-  FigureOptions options = optionsOf(arguments, reader);
-  each([&](std::uint64_t first, std::uint64_t count) {
-    for (const double value :
-         reader.readAsDouble(imageGroup(reader.manifest(), arguments.sensor, arguments.directory) + kTactileImage, first, count))
-      options.largest = std::max(options.largest, value);
-  });
+  const FigureOptions options = optionsOf(arguments, reader, begin, end);
   const std::vector<TaxelOutline> outlines = outlinesOf(reader.manifest());
   const std::string group = imageGroup(reader.manifest(), arguments.sensor, arguments.directory);
+  const double least_shear = kShearDeviations * countsNoise(reader.manifest(), shownColumn(reader.manifest(), group));
   const std::uint64_t stride = strideOf(reader, arguments.rate, begin, end);
-  each([&](std::uint64_t first, std::uint64_t count) {
-    const FramePanels panels(reader, group, outlines, first, count);
+  for (std::uint64_t first = begin; first < end; first += kFramesAtOnce) {
+    const std::uint64_t count = std::min(kFramesAtOnce, end - first);
+    const FramePanels panels(reader, group, outlines, least_shear, first, count);
     const std::vector<double> times = reader.readAsDouble("data/time", first, count);
     for (std::uint64_t frame = begin + (first - begin + stride - 1) / stride * stride; frame < first + count; frame += stride) {
       TactilePanel panel = panels.panelOf(frame);
       panel.title = titles.of(frame);
       drawTactileFigure({std::move(panel)}, options).appendPpm(stdout, "time " + numberText(times[frame - first]));
     }
-  });
+  }
 }
 
 int runRender(const Arguments& arguments, bool one_episode) {
@@ -208,6 +220,9 @@ void addRender(CLI::App& app, Action& action) {
                           ->check(silent(CLI::PositiveNumber))
                           ->type_name("HZ");
   rate->excludes(frames);
+  command->add_option("--range", arguments->range, "Counts of the brightest colour; default: the 99.9th percentile of the data set")
+      ->check(silent(CLI::PositiveNumber))
+      ->type_name("COUNTS");
   command->callback([=, &action] { action = [=] { return runRender(*arguments, episode->count() > 0); }; });
 }
 

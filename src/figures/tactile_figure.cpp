@@ -102,8 +102,8 @@ void drawLegend(const Canvas& canvas, double foot, const std::vector<LegendEntry
 // Sizes of the page, in points, and the colour scales of all panels.
 struct Layout {
   ColourScale counts = valueScale(), differences = differenceScale();
-  bool any_signed = false;
-  std::vector<PanelSize> sizes{};  // (panels)
+  bool any_signed = false, has_foot = false;  // below the panels: directions of x and y, legend
+  std::vector<PanelSize> sizes{};             // (panels)
   std::vector<LegendEntry> legend{};
   int num_cols = 1;
   double widest = 0;  // panel
@@ -115,19 +115,21 @@ struct Layout {
 
 Layout layoutOf(const std::vector<TactilePanel>& panels, const FigureOptions& options) {
   Layout page;
-  page.counts.max = options.largest;
   double highest = 0;
   for (const TactilePanel& panel : panels) {
     double& max = panel.is_signed ? page.differences.max : page.counts.max;
     for (const double value : panel.values) max = std::isfinite(value) ? std::max(max, panel.is_signed ? std::abs(value) : value) : max;
     page.any_signed |= panel.is_signed;
+    page.has_foot |= !panel.arrows.empty();
     page.sizes.push_back(sizeOf(panel));
     page.widest = std::max(page.widest, page.sizes.back().width);
     highest = std::max(highest, page.sizes.back().height);
     if (!panel.title.empty()) page.title_room = kTitleRoom;
     if (!panel.caption.empty()) page.caption_room = kCaptionRoom;
   }
+  if (options.range > 0) page.counts.max = options.range;
   page.legend = legendOf(panels);
+  page.has_foot |= !page.legend.empty();
   page.step_x = page.widest + kGutter;
   page.step_y = page.title_room + highest + page.caption_room + kGutter;
   const auto count = static_cast<int>(panels.size());
@@ -139,7 +141,7 @@ Layout layoutOf(const std::vector<TactilePanel>& panels, const FigureOptions& op
   page.grid_height = num_rows * page.step_y - kGutter;
   page.heading = headingRoom(options.subtitle);
   page.width = kMargin + page.grid_width + (page.any_signed ? 2 : 1) * kBarStep + kMargin;
-  page.height = page.heading + page.grid_height + kMargin + (page.legend.empty() ? 0 : kLegendRoom);
+  page.height = page.heading + page.grid_height + kMargin + (page.has_foot ? kLegendRoom : 0);
   if (std::max(page.width, page.height) * kPixelsPerPoint > kLargestSide)
     throw Error(ErrorKind::kInput, fmt::format("{} images do not fit into one picture: reduce their number", count));
   return page;
@@ -200,7 +202,7 @@ Canvas drawTactileFigure(const std::vector<TactilePanel>& panels, const FigureOp
   const double bar_height = std::min(page.grid_height - page.title_room - page.caption_room, 420.0);
   drawColourBar(canvas, bar_left, bar_top, bar_height, page.counts, options.unit);
   if (page.any_signed) drawColourBar(canvas, bar_left + kBarStep, bar_top, bar_height, page.differences, "difference");
-  if (!page.legend.empty()) drawLegend(canvas, page.heading + page.grid_height + 20, page.legend);
+  if (page.has_foot) drawLegend(canvas, page.heading + page.grid_height + 20, page.legend);
   return canvas;
 }
 

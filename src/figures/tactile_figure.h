@@ -39,26 +39,27 @@ struct TactilePanel {
   std::string caption;
   std::optional<ContactAxes> axes;
   std::vector<TactileLine> lines{};
-  std::vector<std::array<double, 2>> arrows{};  // (num_values) along x and y of each taxel, or none
-  double longest_arrow = 0;                     // length that is drawn as long as the taxel; 0: no arrows
+  std::vector<std::array<double, 2>> arrows{};  // (num_values) along x and y of each taxel, or none; kArrowTaxels gives their scale
   bool numbers = true;                          // writes values into cells that are large enough
   bool neighbours = true;                       // false if adjacent cells are not adjacent on the sensor: no outline and no axes
   bool is_signed = false;                       // differences: blue below 0, red above, with their own scale
 };
+
+inline constexpr double kArrowTaxels = 2;  // length, in taxels, of an arrow with the value of the brightest colour
 
 struct FigureOptions {
   std::string title;
   std::string subtitle;
   std::string unit = "counts";  // of the colour bar
   int num_columns = 0;          // of panels; 0: for an aspect ratio close to 4:3
-  double largest = 0;           // at the top of the colour bar, so that several figures share a scale; 0: the largest value of the panels
+  double range = 0;             // value of the brightest colour, larger ones have it too; 0: the largest value of the panels
 };
 
 // Axes from the moments of the image, for data without features; none without contact.
 std::optional<ContactAxes> axesOfImage(const TactilePanel& panel);
 
-// Draws all panels with one colour scale from 0 to the largest value, and a symmetric one for signed values. Throws Error(kInput) if there
-// is no panel or the picture is larger than Cairo supports.
+// Draws all panels with one colour scale from 0 to FigureOptions::range, and a symmetric one for signed values. Throws Error(kInput) if
+// there is no panel or the picture is larger than Cairo supports.
 Canvas drawTactileFigure(const std::vector<TactilePanel>& panels, const FigureOptions& options);
 
 // Writes that figure as a PNG. Throws also Error(kIo) if the file cannot be written.

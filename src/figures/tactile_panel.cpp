@@ -22,7 +22,7 @@ constexpr double kDarkTextFrom = 0.52;  // luminance of a cell above which dark 
 constexpr double kSmallestValue = 5.5, kLargestValue = 12;  // type sizes in cells
 constexpr double kPanelLength = 300;                        // longer side of a panel
 constexpr double kSmallestPanel = 90;                       // shorter side, for the captions
-constexpr double kArrowHead = 6, kShortestArrow = 2;        // of the arrows of taxels; shorter ones are not drawn
+constexpr double kArrowHead = 6, kShortestArrow = 4;        // of the arrows of taxels; shorter ones are not drawn
 
 // Interpolates equidistant colours at t, 0 to 1.
 Colour along(std::span<const Colour> colours, double t) {
@@ -125,7 +125,7 @@ void drawCells(const Canvas& canvas, const TactilePanel& panel, const PanelSize&
   });
 }
 
-// Writes values with a halo of the cell's colour, if the widest value fits into a cell.
+// Writes values with a halo of the cell's colour, if the widest value fits into a cell. Above the origins of arrows.
 void drawValues(const Canvas& canvas, const TactilePanel& panel, const PanelSize& size, const ColourScale& scale) {
   canvas.font(kLargestValue);
   const double fit = std::min(0.8 * size.cell_width / canvas.widthOf(valueText(scale.is_signed ? -scale.max : scale.max)),
@@ -133,8 +133,10 @@ void drawValues(const Canvas& canvas, const TactilePanel& panel, const PanelSize
   const double type = std::min(kLargestValue * fit, kLargestValue);
   if (type < kSmallestValue) return;
   canvas.font(type);
-  const auto write = [&](double x, double y, double value, const Colour& colour) {
+  const double rise = panel.arrows.empty() ? 0 : 0.3 * size.cell_height;
+  const auto write = [&](double x, double middle, double value, const Colour& colour) {
     if (value == 0) return;
+    const double y = middle - rise;
     const std::string text = valueText(value);
     cairo_move_to(canvas, x - canvas.widthOf(text) / 2, y + 0.36 * type);
     cairo_text_path(canvas, text.c_str());
@@ -255,10 +257,10 @@ void drawArrow(const Canvas& canvas, double x, double y, double dx, double dy, d
   }
 }
 
-// One arrow per taxel, from its centre; the longest is as long as the smallest side of a taxel.
+// One arrow per taxel, from its centre. The scale refers to the smallest side of a taxel.
 void drawArrows(const Canvas& canvas, const TactilePanel& panel, const PanelSize& size, const ColourScale& scale) {
-  if (panel.arrows.empty() || !(panel.longest_arrow > 0)) return;
-  const double points = std::min(size.cell_width, size.cell_height) / panel.longest_arrow;
+  if (panel.arrows.empty()) return;
+  const double points = kArrowTaxels * std::min(size.cell_width, size.cell_height) / scale.top();
   // (right, down) of the arrow of taxel t, whose x and y axes have these directions on the page.
   const auto draw = [&](std::size_t t, double x, double y, const std::array<double, 2>& x_axis, const std::array<double, 2>& y_axis) {
     const auto [along_x, along_y] = panel.arrows[t];
@@ -266,19 +268,23 @@ void drawArrows(const Canvas& canvas, const TactilePanel& panel, const PanelSize
     const double length = std::hypot(right, down);
     if (length * points >= kShortestArrow) drawArrow(canvas, x, y, right / length, down / length, length * points);
   };
+  cairo_save(canvas);
+  cairo_rectangle(canvas, 0, 0, size.width, size.height);
+  cairo_clip(canvas);
   std::size_t t = 0;
   if (panel.outlines.empty()) {
     for (int i = 0; i < panel.num_rows; ++i)
       for (int j = 0; j < panel.num_cols; ++j) draw(t++, (j + 0.5) * size.cell_width, (i + 0.5) * size.cell_height, {0, 1}, {1, 0});
-    return;
+  } else {
+    eachOutline(panel, size, scale, [&](const TaxelOutline& c, double, const Colour&) {
+      const auto direction = [&c](std::size_t corner) {
+        const double right = c[corner][0] - c[0][0], down = c[corner][1] - c[0][1], side = std::hypot(right, down);
+        return std::array{right / side, down / side};
+      };
+      draw(t++, (c[0][0] + c[2][0]) / 2, (c[0][1] + c[2][1]) / 2, direction(3), direction(1));
+    });
   }
-  eachOutline(panel, size, scale, [&](const TaxelOutline& c, double, const Colour&) {
-    const auto direction = [&c](std::size_t corner) {
-      const double right = c[corner][0] - c[0][0], down = c[corner][1] - c[0][1], side = std::hypot(right, down);
-      return std::array{right / side, down / side};
-    };
-    draw(t++, (c[0][0] + c[2][0]) / 2, (c[0][1] + c[2][1]) / 2, direction(3), direction(1));
-  });
+  cairo_restore(canvas);
 }
 
 }  // namespace

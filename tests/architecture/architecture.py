@@ -43,6 +43,7 @@ HEADERS = {
     "robot.h": "control",
     "trajectory.h": "control",
     "dataset.h": "dataset",
+    "counts_range.h": "dataset",
     "scene.h": "scene",
     "experiment.h": "scene",
     "measurement.h": "scene",

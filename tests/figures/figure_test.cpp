@@ -91,14 +91,13 @@ TEST(Figure, DrawsArrowsAlongTheAxesOfTheTaxels) {
   grid.num_rows = grid.num_cols = 1;
   grid.values = {1};
   grid.numbers = grid.neighbours = false;
-  grid.longest_arrow = 2;
   TactilePanel outline = grid, turned = grid;
   outline.outlines = {{{{-1, -1}, {-1, 1}, {1, 1}, {1, -1}}}};
   turned.outlines = {{{{1, -1}, {-1, -1}, {-1, 1}, {1, 1}}}};  // its x points right, its y up
   const std::filesystem::path file = std::filesystem::temp_directory_path() / "taxelsim-arrows-test.png";
   const auto drawn = [&](TactilePanel panel, std::array<double, 2> arrow) {
     panel.arrows = {arrow};
-    writeTactileFigure(file, {panel}, {.title = "", .subtitle = "", .unit = "counts"});
+    writeTactileFigure(file, {panel}, {.title = "", .subtitle = "", .unit = "counts", .range = 4});
     return testing::Picture(file).of(0xe5322d);
   };
   const auto isTall = [](const testing::Picture::Spot& spot) { return spot.bottom - spot.top > 3 * (spot.right - spot.left); };
