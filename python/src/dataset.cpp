@@ -1,4 +1,4 @@
-// The reader of data sets, for taxelsim.Dataset: it reads manifest and view, checks shards, and reads rows in child processes.
+// The reader of data sets, for taxelsim.Dataset: it reads manifest and view, checks shards, reads rows in child processes, and scales pictures.
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/string.h>
@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "bind.h"
+#include "taxelsim/counts_range.h"
 #include "taxelsim/dataset.h"
 #include "taxelsim/error.h"
 #include "without_gil.h"
@@ -49,6 +50,14 @@ nb::object readRows(const DatasetReader& reader, const std::string& column, std:
   return arrayOf(std::vector<std::uint8_t>(bytes, bytes + rows.size()));
 }
 
+double rangeOfCounts(const nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>& counts, double noise) {
+  return countsRange({counts.data(), counts.size()}, noise);
+}
+
+double rangeOfColumn(const DatasetReader& reader, const std::string& column) {
+  return countsRange(reader, column, 0, reader.numFrames());
+}
+
 }  // namespace
 
 void bindDataset(nb::module_& module) {
@@ -81,7 +90,11 @@ void bindDataset(nb::module_& module) {
           "to compare all columns with their SHA-256.")
       .def("read", &readRows, "column"_a, "first"_a, "count"_a,
            nb::sig("def read(self, column: str, first: int, count: int) -> numpy.typing.NDArray[typing.Any]"),
-           "Bytes of rows [first, first + count).");
+           "Bytes of rows [first, first + count).")
+      .def("counts_range", &rangeOfColumn, "column"_a, nb::call_guard<WithoutGil>(),
+           "Counts of the brightest colour of pictures of the data set.");
+  module.attr("SHEAR_DEVIATIONS") = kShearDeviations;
+  module.def("counts_range", &rangeOfCounts, "counts"_a, "noise"_a, "Counts of the brightest colour of pictures of `counts`.");
   module.def("write_view", &writeDatasetView, "folder"_a, "num_frames"_a, nb::call_guard<WithoutGil>(),
              "Writes dataset.h5 and its checksum next to a manifest whose shards are elsewhere. num_frames: of an episode.");
 }

@@ -45,7 +45,8 @@ def _parser() -> argparse.ArgumentParser:
     add("--tactile-in-state", action="store_true", help="appends the tactile image to the state, for policies that read nothing else")
     add("--task", default=Options.task, metavar="TEXT", help="lerobot: text of the task, with {scene} and {object}; default: %(default)r")
     add("--tactile-key", default=Options.tactile_key, metavar="NAME", help="lerobot: name of the tactile image, default %(default)s")
-    add("--video", action="store_true", help="lerobot: the tactile image as a video as well")
+    add("--video", action="store_true", help="lerobot: the tactile image as a video as well, of three-axis taxels with arrows")
+    add("--range", type=float, metavar="COUNTS", help="lerobot: brightest colour of the video; default: 99.9th percentile of the data set")
     add(
         "--assets",
         action="append",
@@ -67,6 +68,7 @@ def _options_of(options: argparse.Namespace) -> Options:
         task=options.task,
         tactile_key=options.tactile_key,
         video=options.video,
+        range=options.range,
         assets=tuple(options.assets),
         zarr_format=options.zarr_format,
         next_observations=options.next_observations,

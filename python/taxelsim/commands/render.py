@@ -29,6 +29,7 @@ def _parser() -> argparse.ArgumentParser:
     add("-o", "--output", required=True, type=Path, metavar="FILE", help="video to write: .mp4 or .gif; .png draws a picture of frames")
     add("--episode", required=True, type=int, metavar="N", help="number of the episode")
     add("--speed", type=float, default=1.0, metavar="X", help="1 (default) is real time, 0.1 ten times slower")
+    add("--range", type=float, metavar="COUNTS", help="brightest colour; default: the 99.9th percentile of the data set")
     return parser
 
 
@@ -38,6 +39,8 @@ def _run(options: argparse.Namespace) -> None:
     check_video(options.output)
     rate = MAX_RATES[options.output.suffix] / options.speed  # per second of the episode
     command = [str(PROGRAM), "render", options.folder, f"--episode={options.episode}", "--output=-", f"--rate={rate!r}"]
+    if options.range is not None:
+        command.append(f"--range={options.range!r}")
     with subprocess.Popen(command, stdout=subprocess.PIPE) as program:
         pictures = _pictures(program)
         first = list(itertools.islice(pictures, 2))

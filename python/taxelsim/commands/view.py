@@ -30,6 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("path", type=Path, metavar="DIR|SCENE", help="data set, or scene file: its episodes are simulated and not kept")
     add("--episode", type=int, nargs="+", action="extend", metavar="N", help="numbers of the episodes; default: the first three")
     add("--assets", type=Path, action="append", default=[], metavar="DIR", help="folder with meshes of a data set's scene; repeatable")
+    add("--range", type=float, metavar="COUNTS", help="brightest colour; default: the 99.9th percentile of the data set")
     add("--device", default="", metavar="NAME", help='simulates a scene: "cpu", "discrete", an index, or part of a name; default: the best')
     output = parser.add_mutually_exclusive_group()
     output.add_argument("--save", type=Path, metavar="FILE.rrd", help="writes a file instead of opening a window; needs no display")
@@ -55,7 +56,7 @@ def _run(options: argparse.Namespace) -> None:
         raise InputError("there is no display: --save FILE.rrd writes a file, --web serves a page for a browser")
     # Opened where a scene is simulated, so that a data set needs no device.
     device = Device.open(options.device) if options.path.is_file() else None
-    recording = view(options.path, options.episode, assets=options.assets, device=device, isolated=True)
+    recording = view(options.path, options.episode, assets=options.assets, device=device, isolated=True, range=options.range)
     if options.save:
         save(recording, options.save)
     else:

@@ -16,7 +16,7 @@ from .._arguments import checked_count, checked_names, checked_positive
 from .._core import Device, Model, OutputOptions, Scene, load_scene
 from ..errors import InputError
 from ..frame import Frame
-from ..pictures import pictures, taxel_map
+from ..pictures import TactilePictures, noise_of
 from ..program import SCENES
 from ..simulator import NO_OBJECT, Simulator
 from .draws import each, uniform_numbers
@@ -62,7 +62,8 @@ class TouchClassifyVectorEnv(EpisodicVectorEnv):
     - `scene`: a scene of kind `contacts`, or its file. Default: `scenes/benchmark/touch_classify.yaml`.
     - `condition`: of that file: "nominal", "randomized" or "unseen".
     - `workspace`: m, half of the range of the sensor's middle along x and y.
-    - `render_mode="rgb_array"`: `render()` returns a picture of every tactile image.
+    - `render_mode="rgb_array"`: `render()` returns a picture of every tactile image, of three-axis taxels with arrows for the shear.
+    - `range`: counts of the brightest colour of these pictures. Default: the largest so far, beyond noise.
     """
 
     def __init__(
@@ -76,6 +77,7 @@ class TouchClassifyVectorEnv(EpisodicVectorEnv):
         workspace: float = 0.02,
         autoreset_mode: AutoresetMode | str = AutoresetMode.SAME_STEP,
         render_mode: str | None = None,
+        range: float | None = None,
         device: Device | str = "",
     ) -> None:
         super().__init__(num_envs, autoreset_mode, render_mode)
@@ -96,9 +98,13 @@ class TouchClassifyVectorEnv(EpisodicVectorEnv):
         self._model = Model(device, self.scene.sensor, self.scene.objects)
         if len(self.scene.sensor.patches) != 1:
             raise InputError(f"{self.scene.file}: sensor: {len(self.scene.sensor.patches)} patches found, one grid allowed")
-        self._simulator = Simulator(self._model, num_envs, outputs=OutputOptions(penetration_depth=False))
+        draws_axes = render_mode is not None and self.scene.sensor.readout.three_axis is not None
+        outputs = OutputOptions(penetration_depth=False, taxel_counts=draws_axes)
+        self._simulator = Simulator(self._model, num_envs, outputs=outputs)
+        self._pictures = TactilePictures(self.scene.sensor, range, noise_of(self.scene))
         self.class_names = tuple(item.name for item in self.scene.objects)
         self._allocate()
+        self._shown = np.zeros((*self._images.shape, 3), np.int32) if draws_axes else self._images  #: That pictures show.
         self._make_spaces()
 
     @property
@@ -119,7 +125,6 @@ class TouchClassifyVectorEnv(EpisodicVectorEnv):
         self._in_contact = np.zeros(num_envs, np.bool_)
         self._successes = np.zeros(num_envs, np.bool_)
         self._peak_forces = np.zeros(num_envs, np.float32)
-        self._pixels: NDArray[np.intp] | None = None
 
     def _make_spaces(self) -> None:
         reading = (
@@ -150,7 +155,7 @@ class TouchClassifyVectorEnv(EpisodicVectorEnv):
             self._simulator.reset(i, keys[i], **variation)
         self._log_likelihoods[mask] = -math.log(self.num_classes)
         states: list[NDArray[Any]] = [self._touches, self._last_touches, self._images, self._contacts]
-        states += [self._in_contact, self._successes, self._peak_forces]
+        states += [self._shown, self._in_contact, self._successes, self._peak_forces]
         for state in states:
             state[mask] = 0
 
@@ -163,6 +168,8 @@ class TouchClassifyVectorEnv(EpisodicVectorEnv):
         frame = self._press(touches)
         self._last_touches[:] = touches
         self._images[:] = frame.tactile_image
+        if self._shown is not self._images:
+            self._shown[:] = frame.taxel_counts
         self._contacts[:, :2] = frame.center_of_pressure[:, :2]
         self._contacts[:, 2] = frame.total_force
         self._in_contact[:] = frame.ground_truth.total_force > 0
@@ -216,10 +223,8 @@ class TouchClassifyVectorEnv(EpisodicVectorEnv):
         self._check_usable()
         if self.render_mode is None or self._ended is None:
             return None
-        if self._pixels is None:
-            self._pixels = taxel_map(self.scene.sensor.taxel_positions)
-        counts = self._images.reshape(self.num_envs, -1)
-        return tuple(pictures(counts, self.scene.sensor.readout.saturation, self._pixels))
+        axes = self._shown.shape[3:]
+        return tuple(self._pictures.draw(self._shown.reshape(self.num_envs, self.scene.sensor.num_taxels, *axes)))
 
     def close_extras(self, **kwargs: Any) -> None:
         """Releases the device memory."""

@@ -16,7 +16,7 @@ from .. import _core
 from .._core import TASK_MEASURES, Device, Scene
 from ..environment import Environment, Task, TaskState
 from ..errors import InputError
-from ..pictures import pictures, taxel_map
+from ..pictures import TactilePictures, noise_of
 from ..policies.actions import ActionMap
 from ..policies.observations import Bounds, ObservationBuilder, outputs_of
 from .episodic import EpisodicVectorEnv, Mask
@@ -36,7 +36,8 @@ class TactileVectorEnv(EpisodicVectorEnv):
         `angular_scale` rad/s; default: the limits of the scene's first controller, or the velocity limit of each joint.
     reward: see Reward.
     max_lost_time: s, >= 0.
-    render_mode: None, or "rgb_array": render() returns a picture of every tactile image.
+    render_mode: None, or "rgb_array": render() returns a picture of every tactile image, of three-axis taxels with arrows for the shear.
+    range: counts of the brightest colour of these pictures; default: the largest so far, beyond noise.
     device: an open Device, or the argument of Device.open().
 
     Infos, from ground truth: `episode_key`, `success` (only at the end of an episode), `contact`, `num_losses`, `peak_force` (N),
@@ -61,6 +62,7 @@ class TactileVectorEnv(EpisodicVectorEnv):
         max_lost_time: float = 0.25,
         autoreset_mode: AutoresetMode | str = AutoresetMode.SAME_STEP,
         render_mode: str | None = None,
+        range: float | None = None,
         device: Device | str = "",
     ) -> None:
         super().__init__(num_envs, autoreset_mode, render_mode)
@@ -70,6 +72,9 @@ class TactileVectorEnv(EpisodicVectorEnv):
         self._task = Task.of(self.scene)
         opened = device if isinstance(device, Device) else Device.open(device)
         outputs = outputs_of(observations, self.scene.sensor)
+        self._draws_axes = render_mode is not None and self.scene.sensor.readout.three_axis is not None
+        if self._draws_axes:
+            outputs = outputs.replace(taxel_counts=True)
         self._environment: Environment | None = Environment(opened, self.scene, self.num_envs, outputs=outputs)
         self._period, self._num_frames = self._environment.control_period, self._environment.num_frames
         self.step_time = self._period * self._environment.dt
@@ -83,7 +88,7 @@ class TactileVectorEnv(EpisodicVectorEnv):
         self._lost_steps = np.zeros(num_envs, np.int64)
         self._advanced = np.zeros(num_envs, np.float32)
         self._layout = layout
-        self._pixels: NDArray[np.intp] | None = None
+        self._pictures = TactilePictures(self.scene.sensor, range, noise_of(self.scene))
         self.single_observation_space = _space(self._builder.bounds())
         self.num_actions = len(self._actions.names)
         self.single_action_space = spaces.Box(-1, 1, (self.num_actions,), np.float32)
@@ -176,11 +181,11 @@ class TactileVectorEnv(EpisodicVectorEnv):
         self._check_usable()
         if self.render_mode is None or self._ended is None:
             return None
-        if self._pixels is None:
-            self._pixels = taxel_map(self._layout.sensor.taxel_positions)
-        counts = self._frame.tactile_image.reshape(self.num_envs, self._layout.num_sensors, -1)
-        images = [pictures(counts[:, s], self._layout.saturation, self._pixels) for s in range(counts.shape[1])]
-        return tuple(np.concatenate(images, axis=2))
+        num_sensors, num_taxels = self._layout.num_sensors, self._layout.sensor.num_taxels
+        counts = self._frame.taxel_counts if self._draws_axes else self._frame.tactile_image
+        axes = (3,) if self._draws_axes else ()
+        drawn = self._pictures.draw(counts.reshape(self.num_envs * num_sensors, num_taxels, *axes))
+        return tuple(np.concatenate(group, axis=1) for group in drawn.reshape(self.num_envs, num_sensors, *drawn.shape[1:]))
 
     def close_extras(self, **kwargs: Any) -> None:
         """Releases the device memory, once no live array is left."""

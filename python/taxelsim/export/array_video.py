@@ -1,4 +1,4 @@
-"""Tactile images as videos of a LeRobot data set: one per sensor, in the colours of taxelsim.pictures()."""
+"""Tactile images as videos of a LeRobot data set: one per sensor, with the pictures of taxelsim.pictures."""
 
 from __future__ import annotations
 
@@ -13,22 +13,23 @@ from numpy.typing import NDArray
 
 from ..dataset.provenance import Provenance
 from ..errors import InputError
-from ..pictures import colours_of, taxel_map
+from ..pictures import TACTILE_IMAGE, TactilePictures, colours_of, noise_of, range_of, shown_column
 from ..video import mp4_encoder
 from ..viewer.scene_files import scene_of
-from .features import TACTILE, image_shape
+from .features import image_shape
 from .source import Block, Source
 from .staging import new_file
 from .statistics import QUANTILES, Statistics
 
 KEY = "observation.images.tactile"
 NUM_LEVELS = 256  # of the colour scale
+PICTURES = 64  # that are drawn at once
 # A key frame every second frame, as lerobot writes them: readers access frames at random. One thread gives the same bytes on all machines.
 _OPTIONS = {"crf": "18", "preset": "veryfast", "g": "2", "bf": "0", "threads": "1"}
 
 
 class ArrayVideo:
-    """Pictures of the arrays, (height, width, 3) of uint8, from 0 to the saturation of a taxel."""
+    """Pictures of the arrays, (height, width, 3) of uint8, with the scale of the data set; arrows are the shear of three-axis taxels."""
 
     def __init__(self, source: Source, rate: float) -> None:
         """Throws InputError if the scene has a file for its array that no folder of the option `assets` has."""
@@ -36,46 +37,58 @@ class ArrayVideo:
         scene, _ = scene_of(Provenance.of(folder).scene, [Path(name) for name in source.options.assets], folder)
         num_sensors, *taxels = image_shape(source.data)
         if math.prod(taxels) != scene.sensor.num_taxels:
-            raise InputError(f"{folder}: video: {TACTILE} has {math.prod(taxels)} taxels of a sensor, its scene {scene.sensor.num_taxels}")
+            raise InputError(
+                f"{folder}: video: {TACTILE_IMAGE} has {math.prod(taxels)} taxels of a sensor, its scene {scene.sensor.num_taxels}"
+            )
         self.keys = [KEY] if num_sensors == 1 else [f"{KEY}_{sensor}" for sensor in range(num_sensors)]
         self._rate = rate
-        self._saturation = scene.sensor.readout.saturation
-        self._pixels = taxel_map(scene.sensor.taxel_positions)
+        self._column = shown_column(source.data)
+        self._pictures = TactilePictures(scene.sensor, range_of(source.data, self._column, source.options.range), noise_of(scene))
         self._colours = colours_of(np.linspace(0, 1, NUM_LEVELS))
 
     def feature(self) -> dict[str, Any]:
         """The entry of meta/info.json, the same for all videos. The encoder makes odd sides even."""
-        height, width = (side + side % 2 for side in self._pixels.shape)
+        height, width = (side + side % 2 for side in self._pictures.pixels.shape)
         info = {"height": height, "width": width, "codec": "h264", "pix_fmt": "yuv420p", "is_depth_map": False, "fps": self._rate}
         info = {f"video.{name}": value for name, value in info.items()} | {"video.channels": 3, "has_audio": False}
         return {"dtype": "video", "shape": [height, width, 3], "names": ["height", "width", "channels"], "info": info}
 
-    def levels(self, block: Block) -> NDArray[np.uint8]:
-        """Numbers of colours (F, num_sensors, num_taxels)."""
-        counts = block.values[TACTILE].reshape(block.num_frames, len(self.keys), -1)
-        return np.rint(np.clip(counts / self._saturation, 0, 1) * (NUM_LEVELS - 1)).astype(np.uint8)
+    def about(self) -> dict[str, Any]:
+        """For meta/taxelsim.json: what the videos show, and the counts of the brightest colour."""
+        return {"video": {"column": self._column, "range": self._pictures.range}}
+
+    def counts(self, block: Block) -> NDArray[Any]:
+        """What the videos show, (F, num_sensors, num_taxels), of three-axis taxels (F, num_sensors, num_taxels, 3)."""
+        axes = () if self._column == TACTILE_IMAGE else (3,)
+        return block.values[self._column].reshape(block.num_frames, len(self.keys), -1, *axes)
 
     @contextmanager
-    def files(self, folder: Path, name: str) -> Iterator[Callable[[NDArray[np.uint8]], None]]:
-        """A function that appends frames with these levels to the files FOLDER/KEY/NAME, which appear at the end."""
+    def files(self, folder: Path, name: str) -> Iterator[Callable[[NDArray[Any]], None]]:
+        """A function that appends frames with these counts to the files FOLDER/KEY/NAME, which appear at the end."""
         with ExitStack() as stack:
             names = [stack.enter_context(new_file(folder / key / name)) for key in self.keys]
             encoders = [stack.enter_context(mp4_encoder(str(file), self._rate, _OPTIONS)) for file in names]
 
-            def add(levels: NDArray[np.uint8]) -> None:
-                for frame in levels:
-                    for sensor, encode in zip(frame, encoders, strict=True):
-                        encode(self._colours[sensor][self._pixels])
+            def add(counts: NDArray[Any]) -> None:
+                for first in range(0, len(counts), PICTURES):
+                    for sensor, encode in enumerate(encoders):
+                        for picture in self._pictures.draw(counts[first : first + PICTURES, sensor]):
+                            encode(picture)
 
             yield add
 
-    def statistics(self, levels: NDArray[np.uint8], ends: NDArray[np.int64]) -> dict[str, Statistics]:
-        """Of the three colours (E, 3) over all taxels of an episode, from 0 to 1, for each video. ends: (E), frames up to its end."""
+    def statistics(self, counts: NDArray[Any], ends: NDArray[np.int64]) -> dict[str, Statistics]:
+        """Of the three colours (E, 3) over all taxels of an episode, without arrows, from 0 to 1, for each video.
+
+        ends: (E), frames up to its end.
+        """
         result = {}
+        normal = counts if self._column == TACTILE_IMAGE else counts[..., 2]
+        levels = np.rint(np.clip(normal / self._pictures.range, 0, 1) * (NUM_LEVELS - 1)).astype(np.uint8)
         for sensor, key in enumerate(self.keys):
             episodes = np.split(levels[:, sensor], ends[:-1])
-            counts = [np.bincount(frames.ravel(), minlength=NUM_LEVELS) for frames in episodes]
-            result[key] = {**_measures(np.stack(counts), self._colours / 255), "count": np.diff(ends, prepend=0)[:, None]}
+            occurrences = [np.bincount(frames.ravel(), minlength=NUM_LEVELS) for frames in episodes]
+            result[key] = {**_measures(np.stack(occurrences), self._colours / 255), "count": np.diff(ends, prepend=0)[:, None]}
         return result
 
 

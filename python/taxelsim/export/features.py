@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from ..dataset import Column, Dataset
 from ..errors import InputError
+from ..pictures import TACTILE_IMAGE, TAXEL_COUNTS
 
-TACTILE = "data/tactile_image"
 ACTION = "data/action"
 SUCCESS = "meta/success"
 POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
@@ -53,24 +53,26 @@ def num_sensors(data: Dataset) -> int:
 
 def image_shape(data: Dataset) -> tuple[int, ...]:
     """(num_sensors, num_rows, num_cols) of one grid, or (num_sensors, num_taxels)."""
-    shape, sensors = data[TACTILE].shape[1:], num_sensors(data)
+    shape, sensors = data[TACTILE_IMAGE].shape[1:], num_sensors(data)
     return shape if sensors > 1 else (1, *shape)
 
 
 def tactile_of(data: Dataset) -> Feature:
     """The tactile image: r0_c0, r0_c1, ... of a grid, t0, t1, ... of taxels without one; with several sensors after s0_, s1_, ..."""
-    if TACTILE not in data:
-        raise InputError(f"{data.folder}: no column {TACTILE}: record tactile_image in the scene")
+    if TACTILE_IMAGE not in data:
+        raise InputError(f"{data.folder}: no column {TACTILE_IMAGE}: record tactile_image in the scene")
     sensors, *taxels = image_shape(data)
     axes = [range(count) for count in taxels]
     patterns = ("r{}_c{}" if len(taxels) == 2 else "t{}").format
     names = [patterns(*index) for index in itertools.product(*axes)]
     prefixes = [f"s{sensor}_" for sensor in range(sensors)] if sensors > 1 else [""]
-    return Feature((TACTILE,), tuple(prefix + name for prefix in prefixes for name in names))
+    return Feature((TACTILE_IMAGE,), tuple(prefix + name for prefix in prefixes for name in names))
 
 
 def feature_of(data: Dataset, columns: tuple[str, ...]) -> Feature:
     """Numbers of columns in data/ as one vector; its names begin with the names of the columns if there are several. Throws InputError."""
+    if columns == (TAXEL_COUNTS,):
+        return Feature(columns, tuple(f"{name}_{axis}" for name in tactile_of(data).names for axis in ("x", "y", "normal")))
     names: list[str] = []
     for name in columns:
         column = data[name]
@@ -88,7 +90,7 @@ def state_of(data: Dataset, columns: tuple[str, ...], *, with_tactile: bool) -> 
     if not with_tactile:
         return state
     tactile = tactile_of(data)
-    return Feature((*(state.columns if state else ()), TACTILE), (*(state.names if state else ()), *tactile.names))
+    return Feature((*(state.columns if state else ()), TACTILE_IMAGE), (*(state.names if state else ()), *tactile.names))
 
 
 def short_name(column: str) -> str:

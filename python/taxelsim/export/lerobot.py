@@ -47,7 +47,8 @@ def write(source: Source, out: Path, plan: dict[str, Any], report: Callable[[int
         _write_tasks(folder / "meta/tasks.parquet", tables.tasks)
         write_json(folder / "meta/stats.json", {name: tables.shaped(name, values.result()) for name, values in total.items()})
         write_json(folder / "meta/info.json", tables.info())
-        write_json(folder / "meta/taxelsim.json", {"taxelsim": __version__, **source.identity(), "episodes": plan["options"]["episodes"]})
+        about = {"taxelsim": __version__, **source.identity(), "episodes": plan["options"]["episodes"]}
+        write_json(folder / "meta/taxelsim.json", about | (tables.video.about() if tables.video else {}))
 
 
 def _file_name(number: int, suffix: str = ".parquet") -> str:
@@ -72,9 +73,9 @@ def _write_part(tables: _Tables, folder: Path, number: int, part: tuple[int, int
             writer.write_table(tables.frames(arrays))
             measures = {name: statistics.of_episodes(array, block.ends) for name, array in arrays.items()}
             if tables.video and film:
-                levels = tables.video.levels(block)
-                film(levels)
-                measures |= tables.video.statistics(levels, block.ends)
+                counts = tables.video.counts(block)
+                film(counts)
+                measures |= tables.video.statistics(counts, block.ends)
             rows = tables.episodes(block, measures, number, begin)
             if episodes is None:
                 episodes = stack.enter_context(pq.ParquetWriter(episodes_file, rows.schema, compression="snappy"))

@@ -16,6 +16,9 @@ class Options:
     task: str = "{scene}: {object}"  #: LeRobot: text of the task. {scene}, {object}: names of the scene and of the episode's object.
     tactile_key: str = "observation.tactile"  #: LeRobot: name of the tactile image.
     video: bool = False  #: LeRobot: the tactile image as a video as well.
+    range: float | None = (
+        None  #: LeRobot: counts of the brightest colour of the video. None: from the data set, as `taxelsim render` draws it.
+    )
     assets: tuple[str, ...] = ()  #: LeRobot: folders that are searched for a taxel mesh or URDF of the scene, which a video needs.
     zarr_format: int = 2  #: Zarr: 2 or 3. 3 packs chunks into shards.
     next_observations: bool = False  #: robomimic: next_obs as well, for offline reinforcement learning.

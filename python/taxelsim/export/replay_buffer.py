@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from zarr.codecs import BloscCodec, BloscShuffle
 
 from .. import __version__
-from .features import SUCCESS, TACTILE, Feature, short_name
+from ..pictures import TACTILE_IMAGE
+from .features import SUCCESS, Feature, short_name
 from .source import Source
 from .staging import new_file, staged_folder, sync
 
@@ -47,7 +48,7 @@ class _Store:
         named = {"state": source.state, "action": source.action}
         named |= {short_name(name).replace(".", "_"): feature for name, feature in source.columns.items()}
         self._vectors: dict[str, Feature] = {name: feature for name, feature in named.items() if feature is not None}
-        time, image = source.data["data/time"], source.data[TACTILE]
+        time, image = source.data["data/time"], source.data[TACTILE_IMAGE]
         rows = {"tactile": (image.dtype, image.shape[1:]), "timestamp": (time.dtype, time.shape[1:])}
         rows |= {name: (np.dtype(np.float32), (len(feature.names),)) for name, feature in self._vectors.items()}
         longest = max(dtype.itemsize * int(np.prod(shape)) for dtype, shape in rows.values())
@@ -74,7 +75,7 @@ class _Store:
     def write(self, first: int, end: int) -> None:
         """The frames [first, end), flushed. first: a multiple of `piece`."""
         columns = self._source.frames(first, end, self._source.frame_columns())
-        values: dict[str, NDArray[Any]] = {"tactile": columns[TACTILE], "timestamp": columns["data/time"]}
+        values: dict[str, NDArray[Any]] = {"tactile": columns[TACTILE_IMAGE], "timestamp": columns["data/time"]}
         values |= {name: feature.vectors(columns) for name, feature in self._vectors.items()}
         for name, array in values.items():
             files = self._files(name, array.ndim, first, end)

@@ -13,14 +13,15 @@ from mcap_ros2.writer import Writer
 from numpy.typing import NDArray
 
 from .. import __version__
-from .features import ACTION, SUCCESS, TACTILE, num_sensors
+from ..pictures import TACTILE_IMAGE, TAXEL_COUNTS
+from .features import ACTION, SUCCESS, num_sensors
 from .messages import definition_of
 from .source import Block, Source
 from .staging import new_file, staged_folder, write_json
 
 BLOCK_FRAMES = 1 << 14  # that are in memory at once
 _WRENCH = "data/ground_truth/contact_wrench"
-_ENCODINGS = {"uint16": "mono16", "int32": "32SC1"}
+_ENCODINGS = {("uint16", 1): "mono16", ("int32", 1): "32SC1", ("int32", 3): "32SC3"}
 
 
 @dataclass(frozen=True)
@@ -52,14 +53,20 @@ def _twist(values: NDArray[Any]) -> dict[str, Any]:
 
 def _image(values: NDArray[Any]) -> dict[str, Any]:
     """Rows of a grid along x, or one row of taxels."""
-    height, width = values.shape if values.ndim == 2 else (1, len(values))
+    return _pixels(values[..., None])
+
+
+def _pixels(values: NDArray[Any]) -> dict[str, Any]:
+    """Channels are the last axis."""
+    *rows, width, channels = values.shape
     little = values.astype(values.dtype.newbyteorder("<"))
-    size = {"height": height, "width": width, "step": width * values.itemsize}
-    return {**size, "encoding": _ENCODINGS[values.dtype.name], "is_bigendian": 0, "data": little.tobytes()}
+    size = {"height": rows[0] if rows else 1, "width": width, "step": width * channels * values.itemsize}
+    return {**size, "encoding": _ENCODINGS[values.dtype.name, channels], "is_bigendian": 0, "data": little.tobytes()}
 
 
 _TOPICS = (
-    _Topic("image", TACTILE, "sensor_msgs/Image", "sensor", _image),
+    _Topic("image", TACTILE_IMAGE, "sensor_msgs/Image", "sensor", _image),
+    _Topic("taxel_counts", TAXEL_COUNTS, "sensor_msgs/Image", "sensor", _pixels),
     _Topic("contact_wrench", _WRENCH, "geometry_msgs/WrenchStamped", "sensor", _wrench),
     _Topic("object_pose", "data/pose", "geometry_msgs/PoseStamped", "sensor", _pose),
     _Topic("sensor_pose", "data/sensor_pose", "geometry_msgs/PoseStamped", "world", _pose),

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from .. import __version__
+from .._arguments import checked_positive
 from ..errors import InputError
 from .options import Options
 from .source import Source
@@ -30,7 +31,9 @@ class Format:
 _VECTORS = ("state", "columns", "tactile_in_state")
 
 FORMATS = {
-    "lerobot": Format("lerobot", ("pyarrow",), (*_VECTORS, "task", "tactile_key", "video", "assets"), "a folder: LeRobotDataset v3.0"),
+    "lerobot": Format(
+        "lerobot", ("pyarrow",), (*_VECTORS, "task", "tactile_key", "video", "range", "assets"), "a folder: LeRobotDataset v3.0"
+    ),
     "zarr": Format("replay_buffer", ("zarr",), (*_VECTORS, "zarr_format"), "a folder: data/ and meta/episode_ends, as in Diffusion Policy"),
     "robomimic": Format("robomimic", ("h5py",), (*_VECTORS, "next_observations"), "a file: HDF5 with data/demo_N"),
     "mcap": Format("ros2", ("mcap_ros2",), (), "a folder: one MCAP file with ROS 2 messages per episode"),
@@ -83,6 +86,10 @@ def _checked(format_name: str, options: Options) -> Format:
     for field in dataclasses.fields(Options):
         if field.name not in ("episodes", *chosen.options) and getattr(options, field.name) != field.default:
             raise InputError(f"{field.name}: not an option of format {format_name}")
+    if options.range is not None:
+        checked_positive("range", options.range)
+        if not options.video:
+            raise InputError("range: needs video")
     if options.zarr_format not in (2, 3):
         raise InputError(f"zarr_format: {options.zarr_format} found, 2 and 3 allowed")
     return chosen

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from ..dataset import Dataset
 from ..dataset.layout import MANIFEST, label_of
 from ..errors import InputError
-from .features import ACTION, SUCCESS, TACTILE, feature_of, state_of, tactile_of
+from ..pictures import TACTILE_IMAGE, TAXEL_COUNTS
+from .features import ACTION, SUCCESS, feature_of, state_of, tactile_of
 from .options import Options
 
 CACHE_BYTES = 64 << 20  # inflated chunks: an export reads each once
@@ -62,10 +63,11 @@ class Source:
         self.tactile = tactile_of(self.data)
         self.state = state_of(self.data, options.state, with_tactile=options.tactile_in_state)
         self.action = feature_of(self.data, (ACTION,)) if ACTION in self.data else None
-        again = [name for name in options.columns if name in ("data/time", TACTILE, ACTION)]
+        again = [name for name in options.columns if name in ("data/time", TACTILE_IMAGE, ACTION)]
         if again:
             raise InputError(f"columns: {again[0]} found, which every export has")
-        self.columns = {name: feature_of(self.data, (name,)) for name in options.columns}
+        columns = (*((TAXEL_COUNTS,) if TAXEL_COUNTS in self.data else ()), *options.columns)
+        self.columns = {name: feature_of(self.data, (name,)) for name in columns}
         self.has_success = SUCCESS in self.data
         self.label = label_of(self.data)  #: Column that names what touches in each episode.
 

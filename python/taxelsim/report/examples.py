@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..dataset.layout import label_of
+from ..pictures import TACTILE_IMAGE, shown_column
 from .sample import Sample
 from .summary import EXAMPLE_LEVELS, Example, Summary
 
@@ -16,11 +17,13 @@ def examples_of(sample: Sample, summary: Summary) -> list[Example]:
 
     Recorded contact points count as one object.
     """
-    force_name = "data/total_force" if "data/total_force" in sample.data else "data/tactile_image"
+    force_name = "data/total_force" if "data/total_force" in sample.data else TACTILE_IMAGE
     forces = np.concatenate([block.reshape(len(block), -1).sum(1) for block in sample.frames(force_name)])
     frames = np.concatenate([np.arange(first, end) for first, end in sample.blocks])
     episodes = np.searchsorted(sample.data.episode_ends, frames, "right")
     names = sample.column(label_of(sample.data))[np.searchsorted(sample.episodes, episodes)]
+    shown = shown_column(sample.data)
+    axes = () if shown == TACTILE_IMAGE else (3,)
     examples = []
     for name in list(summary.objects or np.unique(names))[:MAX_OBJECTS]:
         chosen = np.flatnonzero(names == name)
@@ -29,6 +32,6 @@ def examples_of(sample: Sample, summary: Summary) -> list[Example]:
         order = chosen[np.argsort(forces[chosen], kind="stable")]
         for level in EXAMPLE_LEVELS:
             k = order[round(level / 100 * (len(order) - 1))]
-            image = np.asarray(sample.data["data/tactile_image"][int(frames[k])], np.float64).reshape(-1, summary.scene.sensor.num_taxels)
+            image = sample.data[shown][int(frames[k])].reshape(-1, summary.scene.sensor.num_taxels, *axes)
             examples.append(Example(f"{name}, {level} % of forces below", float(forces[k]), sample.data[force_name].unit, image[0]))
     return examples

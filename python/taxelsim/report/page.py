@@ -8,6 +8,7 @@ from html import escape
 import numpy as np
 
 from .._core import version
+from ..pictures import TactilePictures, noise_of, tactile_pictures
 from .summary import QUANTILES, Distribution, Summary
 from .svg import histogram, image_tag, number
 
@@ -95,17 +96,20 @@ def _objects(summary: Summary) -> str:
 
 
 def _images(summary: Summary) -> str:
-    positions, saturation = summary.scene.sensor.taxel_positions, float(summary.scene.sensor.readout.saturation)
-    figures = []
+    sensor, figures = summary.scene.sensor, []
+    readout, has_axes = sensor.readout, any(example.image.ndim == 2 for example in summary.examples)
+    saturation = float(readout.three_axis.saturation if has_axes and readout.three_axis else readout.saturation)
+    pictures = TactilePictures(sensor, summary.range, noise_of(summary.scene))
     for example in summary.examples:
-        text = f"{example.stratum}: {number(example.force)} {example.unit}, at most {number(float(example.image.max()))} counts"
-        picture = image_tag(example.image, float(example.image.max()), positions, text)
+        largest = float((example.image[:, 2] if has_axes else example.image).max())
+        text = f"{example.stratum}: {number(example.force)} {example.unit}, at most {number(largest)} counts"
+        picture = image_tag(pictures.draw(example.image[None])[0], text)
         figures.append(f"<figure>{picture}<figcaption>{escape(text)}</figcaption></figure>")
-    coverage = image_tag(
-        summary.taxel_contacts.astype(np.float64), float(summary.taxel_contacts.max()), positions, "frames in which each taxel is above 0"
-    )
+    contacts = tactile_pictures(sensor, summary.taxel_contacts[None], max(1.0, float(summary.taxel_contacts.max())))[0]
+    coverage = image_tag(contacts, "frames in which each taxel is above 0")
     words = f"Frames in which each taxel is above 0: {summary.taxel_contacts.min():,} to {summary.taxel_contacts.max():,}"
-    note = f"<p>The brightest colour is the largest count of each image; saturation is at {number(saturation)} counts.</p>"
+    shear = " Arrows show shear: two taxels long where it has as many counts." if has_axes else ""
+    note = f"<p>The brightest colour is at {number(summary.range)} counts, saturation at {saturation:,.0f} counts.{shear}</p>"
     shown = f'<h2>Example images</h2>{note}<div class="row">{"".join(figures)}</div>'
     return f"{shown}<h2>Coverage</h2><figure>{coverage}<figcaption>{escape(words)}</figcaption></figure>"
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from .._core import Scene
 from ..dataset import Dataset
 from ..dataset.provenance import Provenance
 from ..errors import InputError
+from ..pictures import TACTILE_IMAGE, range_of, shown_column
 from ..viewer.scene_files import scene_of
 from .sample import Sample
 
@@ -25,7 +27,6 @@ VARIABLE_BINS = 10  # of gaps in the coverage of a random variable
 QUANTILES = (0, 5, 50, 95, 100)  # percent
 EXAMPLE_LEVELS = (10, 50, 90)  # percentiles of force that examples of an object show
 
-_IMAGE = "data/tactile_image"
 _DISTRIBUTIONS = (
     ("data/total_force", "force"),
     ("data/ground_truth/total_force", "force"),
@@ -77,7 +78,7 @@ class Example:
     stratum: str
     force: float  #: Measured force, or sum of the counts where it is not recorded.
     unit: str
-    image: NDArray[np.float64]  #: (num_taxels) counts.
+    image: NDArray[Any]  #: (num_taxels) counts, or (num_taxels, 3) of three-axis taxels.
 
 
 @dataclass
@@ -107,20 +108,23 @@ class Summary:
     taxel_contacts: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
     """(num_taxels), sampled frames in which the taxel is above 0."""
     examples: list[Example] = field(default_factory=list)
+    range: float = 1
+    """Counts of the brightest colour of the examples."""
     gaps: list[str] = field(default_factory=list)
     """What the sampled data lack, a sentence each."""
 
 
-def summarize(data: Dataset, max_frames: int = MAX_FRAMES, assets: Sequence[Path] = ()) -> Summary:
+def summarize(data: Dataset, max_frames: int = MAX_FRAMES, assets: Sequence[Path] = (), range: float | None = None) -> Summary:
     """The numbers of a report. Raises InputError for a data set without tactile images.
 
     assets: folders with a URDF or taxel mesh of the scene; meshes of objects are not needed.
+    range: counts of the brightest colour of examples; default: from the data set, as `taxelsim render` draws it.
     """
     from .coverage import gaps_of
     from .examples import examples_of
 
-    if _IMAGE not in data:
-        raise InputError(f"{data.folder}: no column {_IMAGE}; add tactile_image to `record` of the scene")
+    if TACTILE_IMAGE not in data:
+        raise InputError(f"{data.folder}: no column {TACTILE_IMAGE}; add tactile_image to `record` of the scene")
     provenance = Provenance.of(data.folder)
     sample = Sample(data, max_frames)
     names = [data[name] for name in data.columns]
@@ -132,6 +136,7 @@ def summarize(data: Dataset, max_frames: int = MAX_FRAMES, assets: Sequence[Path
     _count_episodes(sample, summary)
     _count_images(sample, summary)
     summary.examples = examples_of(sample, summary)
+    summary.range = range_of(data, shown_column(data), range)
     summary.gaps = gaps_of(sample, summary)
     return summary
 
@@ -171,7 +176,7 @@ def _count_episodes(sample: Sample, summary: Summary) -> None:
 def _count_images(sample: Sample, summary: Summary) -> None:
     sensor = summary.scene.sensor
     summary.taxel_contacts = np.zeros(sensor.num_taxels, np.int64)
-    for block in sample.frames(_IMAGE):
+    for block in sample.frames(TACTILE_IMAGE):
         images = block.reshape(len(block), -1, sensor.num_taxels)  # (B, num_sensors, num_taxels)
         touched = images > 0
         summary.contact_frames += int(touched.any((1, 2)).sum())

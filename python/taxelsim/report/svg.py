@@ -8,7 +8,7 @@ from html import escape
 import numpy as np
 from numpy.typing import NDArray
 
-from ..pictures import colours_of, png_of, taxel_map
+from ..pictures import png_of
 from .summary import Distribution
 
 WIDTH, HEIGHT, MARGIN = 320, 130, 20  # pixels of a histogram; the margin is below, for its axis
@@ -40,8 +40,7 @@ def histogram(distribution: Distribution) -> str:
     return f'<svg role="img" aria-label="{label}" viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}">{"".join(bars)}{axis}</svg>'
 
 
-def image_tag(values: NDArray[np.float64], largest: float, positions: NDArray[np.float64], text: str) -> str:
-    """A picture of one value for each taxel (num_taxels), the brightest colour at `largest`. positions: (num_taxels, 3), m."""
-    picture = colours_of(values / (largest or 1.0))[taxel_map(positions)]
+def image_tag(picture: NDArray[np.uint8], text: str) -> str:
+    """A picture (height, width, 3)."""
     data = base64.b64encode(png_of(picture)).decode()
     return f'<img src="data:image/png;base64,{data}" alt="{escape(text)}">'

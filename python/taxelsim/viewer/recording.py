@@ -2,34 +2,38 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from .._core import Object
-from ..pictures import colours_of, taxel_map
+from .._core import Object, nominal_force
+from ..pictures import ARROW_TAXELS, TACTILE_IMAGE, TAXEL_COUNTS, colours_of, taxel_axes, taxel_map
 from .checks import extent_of
 from .episode_text import summary_of
 from .series import series_of
-from .shapes import flat_shaded, taxel_axes, taxel_quads, triangles_of
+from .shapes import flat_shaded, taxel_quads, triangles_of
 from .source import Episode
 
 OBJECT_COLOUR = (190, 190, 200)
 ARROW_COLOUR = (230, 60, 60)
 COUNTS_ARROW_COLOUR = (240, 160, 30)
 COUNT_AXES = ("x", "y", "normal")
-LONGEST_ARROW = 2.0  # in pitches of the sensor
 
 
 class EpisodeWriter:
     """Writes one episode below the entity `episode_<number>`, on the timelines `time` (s) and `frame`."""
 
-    def __init__(self, recording: rr.RecordingStream, episode: Episode, largest_force: float) -> None:
+    def __init__(self, recording: rr.RecordingStream, episode: Episode, ranges: Mapping[str, float]) -> None:
+        """ranges: counts of the brightest colour by column."""
         self._recording = recording
         self._episode = episode
-        self._largest_force = largest_force
+        self._ranges = ranges
+        readout = episode.sensor.readout
+        force = nominal_force(readout, min(ranges[TACTILE_IMAGE], readout.saturation))
+        self._largest_force = force if force > 0 else 1.0  # N; a taxel that reads without a load has no force there
         self.root = f"episode_{episode.number}"
         self.num_sensors = episode.num_sensors
         self.series = series_of(episode)
@@ -75,17 +79,15 @@ class EpisodeWriter:
         sensor = self._episode.sensor
         shear = self._episode.per_sensor("data/ground_truth/tactile_shear_force", (sensor.num_taxels, 2))
         if shear is not None:
-            self._write_arrows(k, "shear", shear, ARROW_COLOUR)
+            self._write_arrows(k, "shear", shear / self._largest_force, ARROW_COLOUR)
         if self.has_taxel_counts:
-            self._write_arrows(k, "shear_counts", self._taxel_counts()[..., :2].astype(np.float64), COUNTS_ARROW_COLOUR)
+            self._write_arrows(k, "shear_counts", self._taxel_counts()[..., :2] / self._ranges[TAXEL_COUNTS], COUNTS_ARROW_COLOUR)
 
     def _write_arrows(self, k: int, name: str, values: NDArray[Any], colour: tuple[int, int, int]) -> None:
-        """Arrows of sensor k along x and y of the taxels. values: (F, num_sensors, num_taxels, 2)."""
+        """Arrows of sensor k along x and y of the taxels. values: (F, num_sensors, num_taxels, 2), 1 at the brightest colour."""
         sensor = self._episode.sensor
         pitch = max(sensor.patches[0].pitch)
-        largest = float(np.linalg.norm(values, axis=-1).max())
-        scale = LONGEST_ARROW * pitch / largest if largest > 0 else 1.0
-        vectors = np.einsum("fta,tas->fts", values[:, k], taxel_axes(sensor)) * scale
+        vectors = np.einsum("fta,tas->fts", values[:, k], taxel_axes(sensor)) * (ARROW_TAXELS * pitch)
         entity = f"{self.sensor_path(k)}/{name}"
         fixed = rr.Arrows3D.from_fields(origins=sensor.taxel_positions, colors=[colour], radii=[pitch / 20])
         self._static(entity, fixed)
@@ -94,29 +96,29 @@ class EpisodeWriter:
     @property
     def has_taxel_counts(self) -> bool:
         """Whether counts of three-axis taxels are recorded."""
-        return "data/taxel_counts" in self._episode.columns
+        return TAXEL_COUNTS in self._episode.columns
 
     def _taxel_counts(self) -> NDArray[np.int32]:
         """(F, num_sensors, num_taxels, 3)."""
-        counts = self._episode.per_sensor("data/taxel_counts", (self._episode.sensor.num_taxels, 3))
+        counts = self._episode.per_sensor(TAXEL_COUNTS, (self._episode.sensor.num_taxels, 3))
         return np.asarray(counts, np.int32)
 
     def _write_image(self, k: int) -> None:
         episode, entity = self._episode, self.image_path(k)
         counts = episode.image.astype(np.uint16, copy=False).reshape(len(episode), episode.num_sensors, episode.sensor.num_taxels)[:, k]
-        self._write_images(entity, counts, "viridis", [0, episode.sensor.readout.saturation])
-        axes = episode.sensor.readout.three_axis
-        if axes is None or not self.has_taxel_counts:
+        self._write_images(entity, counts, "viridis", [0, self._ranges[TACTILE_IMAGE]])
+        if not self.has_taxel_counts:
             return
+        largest = self._ranges[TAXEL_COUNTS]
         for axis, name in enumerate(COUNT_AXES):
-            colormap, lowest = ("viridis", 0) if name == "normal" else ("cyantoyellow", -axes.saturation)
-            self._write_images(self.counts_path(k, name), self._taxel_counts()[:, k, :, axis], colormap, [lowest, axes.saturation])
+            colormap, limits = ("viridis", [0, largest]) if name == "normal" else ("cyantoyellow", [-largest, largest])
+            self._write_images(self.counts_path(k, name), self._taxel_counts()[:, k, :, axis], colormap, limits)
 
     def counts_path(self, k: int, axis: str) -> str:
         """Entity of the counts of three-axis taxels of sensor k along an axis out of COUNT_AXES."""
         return f"taxel_counts/{axis}" if self.num_sensors == 1 else f"taxel_counts_{k}/{axis}"
 
-    def _write_images(self, entity: str, counts: NDArray[Any], colormap: str, limits: list[int]) -> None:
+    def _write_images(self, entity: str, counts: NDArray[Any], colormap: str, limits: list[float]) -> None:
         """Images of one sensor. counts: (F, num_taxels)."""
         sensor = self._episode.sensor
         if len(sensor.patches) == 1:
@@ -143,7 +145,7 @@ def _packed(colours: NDArray[np.uint8]) -> NDArray[np.uint32]:
     return np.asarray(red << 24 | green << 16 | blue << 8 | 0xFF, np.uint32)
 
 
-def _image_format(images: NDArray[Any], colormap: str, limits: list[int]) -> rr.DepthImage:
+def _image_format(images: NDArray[Any], colormap: str, limits: list[float]) -> rr.DepthImage:
     """What all images (F, height, width) have in common. An image of counts, so that the viewer shows the counts below the cursor."""
     datatype = {"uint16": "U16", "int32": "I32"}[images.dtype.name]
     size = rr.components.ImageFormat(width=images.shape[2], height=images.shape[1], channel_datatype=datatype)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core import Box, Capsule, Cone, Cylinder, HalfSpace, Mesh, Sensor, Sphere, Torus
+from ..pictures import taxel_axes
 
 Triangles = tuple[NDArray[np.float32], NDArray[np.uint32]]
 """Vertices (V, 3), m, and triangles (T, 3), indices of vertices."""
@@ -74,15 +75,6 @@ def flat_shaded(vertices: NDArray[np.float32], triangles: NDArray[np.uint32]) ->
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     unit = normals / np.where(lengths > 0, lengths, 1)
     return corners.reshape(-1, 3), np.repeat(unit, 3, 0).astype(np.float32)
-
-
-def taxel_axes(sensor: Sensor) -> NDArray[np.float64]:
-    """Unit vectors along x and y of the patch of each taxel (num_taxels, 2, 3), in S."""
-    rows = []
-    for patch in sensor.patches:
-        axes = np.array([patch.X_SP.transform(axis) for axis in ([1, 0, 0], [0, 1, 0])]) - patch.X_SP.position
-        rows.append(np.repeat(axes[None], patch.num_rows * patch.num_cols, 0))
-    return np.concatenate(rows)
 
 
 def taxel_quads(sensor: Sensor) -> Triangles:

@@ -18,6 +18,7 @@ from .._log import logger
 from ..dataset import Dataset
 from ..dataset.provenance import Provenance
 from ..errors import InputError
+from ..pictures import TACTILE_IMAGE, TAXEL_COUNTS, range_of
 from ..runs import generate
 from .checks import size_warnings
 from .scene_files import scene_of
@@ -79,6 +80,8 @@ class Source:
     missing: set[int]
     """Objects whose mesh is not found."""
     episodes: list[Episode]
+    ranges: Mapping[str, float]
+    """Counts of the brightest colour by column."""
 
 
 def _is_shown(name: str) -> bool:
@@ -114,10 +117,17 @@ def _simulated(scene: Scene, numbers: Sequence[int] | None, device: Device | Non
         yield Dataset(folder)
 
 
-def open_source(path: Path, numbers: Sequence[int] | None, assets: Sequence[Path], device: Device | None, isolated: bool) -> Source:
+def _source(data: Dataset, scene: Scene, missing: set[int], numbers: Sequence[int] | None, range: float | None) -> Source:
+    episodes = _episodes(data, scene, numbers)
+    return Source(scene, missing, episodes, {name: range_of(data, name, range) for name in (TACTILE_IMAGE, TAXEL_COUNTS) if name in data})
+
+
+def open_source(
+    path: Path, numbers: Sequence[int] | None, assets: Sequence[Path], device: Device | None, isolated: bool, range: float | None
+) -> Source:
     """Episodes of a data set, or of a scene file. Raises InputError.
 
-    numbers: of the episodes; None: the first ones. isolated: as Dataset().
+    numbers: of the episodes; None: the first ones. isolated: as Dataset(). range: counts of the brightest colour.
     """
     if numbers is not None and (not len(numbers) or len(set(numbers)) != len(numbers) or min(numbers) < 0):
         raise InputError(f"episodes: {', '.join(map(str, numbers)) or 'none'} found, different numbers from 0 allowed")
@@ -128,11 +138,11 @@ def open_source(path: Path, numbers: Sequence[int] | None, assets: Sequence[Path
         data = Dataset(path, isolated=isolated)
         scene, missing = scene_of(Provenance.of(path).scene, assets, path)
         warn(size_warnings(scene, missing))
-        return Source(scene, missing, _episodes(data, scene, numbers))
+        return _source(data, scene, missing, numbers, range)
     scene = load_scene(path)
     warn(size_warnings(scene, set()))  # first, since the simulation may refuse such objects
     with _simulated(scene, numbers, device) as data:
-        return Source(scene, set(), _episodes(data, scene, numbers))
+        return _source(data, scene, set(), numbers, range)
 
 
 def warn(lines: Sequence[str]) -> None:

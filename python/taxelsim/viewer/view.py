@@ -21,6 +21,7 @@ def view(
     assets: Sequence[str | os.PathLike[str]] = (),
     device: Device | None = None,
     isolated: bool = False,
+    range: float | None = None,
 ) -> rerun.RecordingStream:
     """A recording for the viewer Rerun: objects, taxels coloured by force, shear, tactile images and time series of episodes.
 
@@ -32,6 +33,7 @@ def view(
     assets: folders with meshes and other files of the scene of a data set; those of the package are found by themselves.
     device: simulates a scene; default Device.open().
     isolated: for data sets from strangers, as in Dataset().
+    range: counts of the brightest colour; default: from the data set, as `taxelsim render` draws it.
 
     Logs a warning for an object that is 100 times larger or smaller than the sensor, away from it, or behind its skin.
     Raises InputError for a data set, scene or episode that cannot be shown, ImportError without rerun-sdk.
@@ -45,12 +47,11 @@ def view(
     from .recording import EpisodeWriter
 
     numbers = [episodes] if isinstance(episodes, int) else episodes
-    source = open_source(Path(path), numbers, [Path(folder) for folder in assets], device, isolated)
+    source = open_source(Path(path), numbers, [Path(folder) for folder in assets], device, isolated, range)
     warn(place_warnings(source))
-    largest = max(float(episode.forces.max()) for episode in source.episodes) or 1.0
     recording = rerun.RecordingStream("taxelsim")
     recording.send_recording_name(source.scene.name)
-    writers = [EpisodeWriter(recording, episode, largest) for episode in source.episodes]
+    writers = [EpisodeWriter(recording, episode, source.ranges) for episode in source.episodes]
     for writer, episode in zip(writers, source.episodes, strict=True):
         index = episode.object_index
         writer.write(None if index is None or index in source.missing else source.scene.objects[index])

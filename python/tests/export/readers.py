@@ -12,7 +12,7 @@ import pytest
 import torch
 
 import taxelsim
-from taxelsim.pictures import pictures, taxel_map
+from taxelsim.pictures import TACTILE_IMAGE, range_of, tactile_pictures
 
 EXPORTS = Path(__file__).resolve().parents[3] / "build/exports"
 BATCH = 64
@@ -74,8 +74,7 @@ def test_lerobot_decodes_the_video_of_the_array(data):
     sensor = taxelsim.load_scene(taxelsim.SCENES / "servo_mix.yaml").sensor
     ends = data.episode_ends
     for frame in (0, 1, ends[0] - 1, ends[0], ends[7] + 11, data.num_frames - 1):
-        images = data["data/tactile_image"][int(frame)][None]
-        expected = pictures(images.reshape(1, -1), sensor.readout.saturation, taxel_map(sensor.taxel_positions))[0]
+        expected = tactile_pictures(sensor, data[TACTILE_IMAGE][int(frame)][None], range_of(data, TACTILE_IMAGE))[0]
         found = 255 * dataset[int(frame)][key].numpy().transpose(1, 2, 0)
         assert np.abs(found - expected).mean() < VIDEO_TOLERANCE
 

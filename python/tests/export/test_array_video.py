@@ -10,7 +10,7 @@ import pytest
 
 import taxelsim
 from taxelsim.export import Options, export, lerobot
-from taxelsim.pictures import pictures, taxel_map
+from taxelsim.pictures import TACTILE_IMAGE, range_of, tactile_pictures
 
 from ..test_video import TOLERANCE, read
 from .conftest import NUM_EPISODES, NUM_FRAMES, files_of
@@ -31,9 +31,8 @@ def small_files(monkeypatch):
 @pytest.fixture
 def expected(folder) -> np.ndarray:
     """(episodes, frames, height, width, 3)."""
-    counts = taxelsim.Dataset(folder)["data/tactile_image"][:]
-    sensor = taxelsim.load_scene(folder.parent / "short.yaml").sensor
-    found = pictures(counts.reshape(len(counts), -1), sensor.readout.saturation, taxel_map(sensor.taxel_positions))
+    data, sensor = taxelsim.Dataset(folder), taxelsim.load_scene(folder.parent / "short.yaml").sensor
+    found = tactile_pictures(sensor, data[TACTILE_IMAGE][:], range_of(data, TACTILE_IMAGE))
     return found.reshape(NUM_EPISODES, NUM_FRAMES, *found.shape[1:])
 
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import taxelsim
-from taxelsim.viewer.shapes import flat_shaded, taxel_axes, taxel_quads, triangles_of
+from taxelsim.pictures import taxel_axes
+from taxelsim.viewer.shapes import flat_shaded, taxel_quads, triangles_of
 
 # A polygon of n sides has 1 - (2 pi / n)^2 / 6 of the area of its circle. The torus loses most: 0.0029 by 48 sides around its axis, and
 # 0.0114 by 24 sides around its tube.

@@ -20,7 +20,7 @@ from ... import mujoco as engine
 from ..._arguments import checked_names
 from ..._core import Device, Friction, OutputOptions, Sensor, Winkler, load_sensor
 from ...errors import InputError
-from ...pictures import pictures, taxel_map
+from ...pictures import TactilePictures
 from ...program import SCENES
 from ..draws import Array, each, uniform_numbers
 from ..episodic import EpisodicVectorEnv, Mask
@@ -78,6 +78,7 @@ class DynamicVectorEnv(EpisodicVectorEnv):
     shear: whether the observing skin has friction. Without it `shear` and `shear_image` are 0. The motion of the bodies is the same.
     observations: out of OBSERVATIONS of observations.py; a name gives an array, a sequence of names a dict.
     render_mode: None, or "rgb_array": render() returns a picture of every tactile image.
+    range: counts of the brightest colour of these pictures; default: the largest so far, beyond noise.
     device: an open Device, or the argument of Device.open().
 
     Infos: `episode_key`, `success` (only at the end of an episode), `contact`, `peak_force` (N, largest true normal force of the episode),
@@ -100,6 +101,7 @@ class DynamicVectorEnv(EpisodicVectorEnv):
         observations: str | Sequence[str] = ("contact", "shear", "proprioception", "goal"),
         autoreset_mode: AutoresetMode | str = AutoresetMode.SAME_STEP,
         render_mode: str | None = None,
+        range: float | None = None,
         device: Device | str = "",
     ) -> None:
         super().__init__(num_envs, autoreset_mode, render_mode)
@@ -127,7 +129,7 @@ class DynamicVectorEnv(EpisodicVectorEnv):
         self._peak_force = np.zeros(num_envs, np.float32)
         self._success = np.zeros(num_envs, np.bool_)
         self._draws = np.zeros((num_envs, self.num_draws))
-        self._pixels: NDArray[np.intp] | None = None
+        self._pictures = TactilePictures(self.sensor, range, CONDITION_OF[self.condition].noise[1])
         self._allocate()
         self._make_spaces()
 
@@ -239,10 +241,7 @@ class DynamicVectorEnv(EpisodicVectorEnv):
         self._check_usable()
         if self.render_mode is None or self._ended is None:
             return None
-        if self._pixels is None:
-            self._pixels = taxel_map(self.sensor.taxel_positions)
-        counts = self._frame.tactile_image.reshape(self.num_envs, -1)
-        return tuple(pictures(counts, self.sensor.readout.saturation, self._pixels))
+        return tuple(self._pictures.draw(self._frame.tactile_image.reshape(self.num_envs, -1)))
 
     def close_extras(self, **kwargs: Any) -> None:
         """Releases the device memory, once no live array is left."""
