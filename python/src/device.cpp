@@ -1,6 +1,10 @@
 // Devices.
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
+
+#include <string>
+#include <variant>
 
 #include "handles.h"
 #include "structs.h"
@@ -9,8 +13,10 @@
 namespace taxelsim::python {
 namespace {
 
-DeviceHandle openDevice(const std::string& device, bool validation, bool keep_kernels) {
-  return DeviceHandle(Device::open({.device = device, .validation = validation, .keep_kernels = keep_kernels}));
+DeviceHandle openDevice(const std::variant<std::string, int>& device, bool validation, bool keep_kernels) {
+  const int* const index = std::get_if<int>(&device);
+  return DeviceHandle(Device::open(
+      {.device = index ? std::to_string(*index) : std::get<std::string>(device), .validation = validation, .keep_kernels = keep_kernels}));
 }
 
 }  // namespace
@@ -39,8 +45,8 @@ May be used from several threads at once. It does not survive fork().)")
       .def_static("open", &openDevice, "device"_a = "", nb::kw_only(), "validation"_a = false, "keep_kernels"_a = true,
                   nb::call_guard<WithoutGil>(), R"(Opens a device. Waits.
 
-device: "discrete", "integrated", "cpu", an index into list_devices(), or part of a name. Empty: the environment variable TAXELSIM_DEVICE
-    if set, else the best device.
+device: "gpu" (the best that is not a CPU), "discrete", "integrated", "cpu", an index into list_devices(), or part of a name. Empty: the
+    environment variable TAXELSIM_DEVICE if set, else the best device.
 validation: enables the Vulkan validation layers.
 keep_kernels: stores compiled kernels in the user's cache folder.
 

@@ -4,19 +4,36 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <filesystem>
+#include <variant>
+#include <vector>
+
 #include "any_object.h"
 #include "bind.h"
 #include "handles.h"
+#include "interruptible.h"
 #include "without_gil.h"
 
 namespace taxelsim::python {
 namespace {
 
-void makeModel(ModelHandle* self, const DeviceHandle& device, const Sensor& sensor, const std::vector<AnyObject>& objects,
+using AnySensor = std::variant<Sensor, std::filesystem::path>;
+
+Sensor sensorOf(const AnySensor& sensor) {
+  const auto* const file = std::get_if<std::filesystem::path>(&sensor);
+  return file ? loadSensor(*file) : std::get<Sensor>(sensor);
+}
+
+void makeModel(ModelHandle* self, const DeviceHandle& device, const AnySensor& sensor, const std::vector<AnyObject>& objects,
                int contact_workgroup, int image_workgroup) {
   const Device& opened = device.get();
-  ModelOptions options{.sensor = sensor, .objects = {}, .contact_workgroup = contact_workgroup, .image_workgroup = image_workgroup};
-  for (const AnyObject& object : objects) options.objects.push_back(objectOf(object));
+  const ModelOptions options = loadInterruptibly([&] {
+    ModelOptions read{
+        .sensor = sensorOf(sensor), .objects = {}, .contact_workgroup = contact_workgroup, .image_workgroup = image_workgroup};
+    for (const AnyObject& object : objects) read.objects.push_back(objectOf(object));
+    return read;
+  });
+  const WithoutGil released;
   new (self) ModelHandle(opened, options);
 }
 
@@ -27,11 +44,12 @@ void bindModel(nb::module_& module) {
 
 Any number of simulators share a model, in any thread.)")
       .def("__init__", &makeModel, "device"_a, "sensor"_a, "objects"_a = std::vector<AnyObject>{}, nb::kw_only(), "contact_workgroup"_a = 0,
-           "image_workgroup"_a = 0, nb::call_guard<WithoutGil>(), R"(Uploads the objects. Waits.
+           "image_workgroup"_a = 0, R"(Uploads the objects. Waits.
 
 device: an open Device.
-sensor: a Sensor.
-objects: objects or shapes, referred to by index in Simulator.set_objects(). May be empty for contact points.
+sensor: a Sensor, or a sensor file.
+objects: objects, shapes, or texts of parse_object(), such as a mesh file in metres; referred to by index in Simulator.set_objects(). May be
+    empty for contact points.
 contact_workgroup, image_workgroup: invocations per workgroup, a power of two from 4 to 256; 0: the best for the device. Results do not
     depend on them.
 

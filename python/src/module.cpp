@@ -1,6 +1,22 @@
 // taxelsim._core: the C++ library in Python. The package taxelsim adds checks of arrays and is what users import.
+#include <nanobind/stl/string_view.h>
+
+#include <string_view>
+
 #include "bind.h"
 #include "taxelsim/version.h"
+
+namespace taxelsim::python {
+namespace {
+
+// cls(...) calls the method cls._construct().
+void routeConstructor(nb::handle cls) {
+  nb::cpp_function_def([](nb::handle self, const nb::args& args, const nb::kwargs& kwargs) { self.attr("_construct")(*args, **kwargs); },
+                       nb::name("__init__"), nb::scope(cls), nb::is_method());
+}
+
+}  // namespace
+}  // namespace taxelsim::python
 
 NB_MODULE(_core, module) {
   using namespace taxelsim::python;
@@ -21,4 +37,7 @@ NB_MODULE(_core, module) {
   bindEvaluationParts(module);
   bindDataset(module);
   bindDlpack(module);
+  if (nb::cast<std::string_view>(module.attr("__name__")) != "_core") {  // "_core" alone: type stubs are made of the bare module
+    nb::module_::import_("taxelsim._native").attr("describe")(module, nb::cpp_function(&routeConstructor));
+  }
 }

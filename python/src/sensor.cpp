@@ -35,12 +35,16 @@ Its frame P lies in the middle of the grid on the undeformed outer skin surface,
 column j along y.)");
   addCheckedFields(patch, kAskForUnits, field("name", &GridPatch::name, "Name in messages and data sets."),
                    field("num_rows", &GridPatch::num_rows, "1 to 128."), field("num_cols", &GridPatch::num_cols, "1 to 128."),
-                   field("pitch", &GridPatch::pitch, "(2), m, > 0, along x and along y."),
+                   field("pitch", &GridPatch::pitch, "(2), m, > 0, along x and along y; the constructor takes one number for both."),
                    field("X_SP", &GridPatch::X_SP, "Pose of the patch in the sensor frame S."));
-  module.def("taxel_patch", &taxelPatch, "name"_a, "position"_a, "normal"_a, "size"_a, "x_axis"_a = nb::none(),
-             R"(A 1 x 1 patch for one taxel of a curved or irregular skin.
+  module.def(
+      "taxel_patch",
+      [](const std::string& name, const Vector3& position, const Vector3& normal, const Argument<std::array<double, 2>>& size,
+         const std::optional<Vector3>& x_axis) { return taxelPatch(name, position, normal, size.value, x_axis); },
+      "name"_a, "position"_a, "normal"_a, "size"_a, "x_axis"_a = nb::none(),
+      R"(A 1 x 1 patch for one taxel of a curved or irregular skin.
 
-position: m, in S. normal: outward, in S, any length but 0. size: (2), m, along x and y of P. x_axis: direction in S whose projection is x.)");
+position: m, in S. normal: outward, in S, any length but 0. size: (2), m, along x and y of P, or one number for both. x_axis: direction in S whose projection is x.)");
 }
 
 void bindLaws(nb::module_& module) {
@@ -117,8 +121,13 @@ The default is no spread.)");
             field("kernel", &Psf::kernel, "(size x size), row-major, >= 0."), field("normalization", &Psf::normalization, "Normalisation."),
             field("sigma", &Psf::sigma, "m. If > 0, a Gaussian of the distance along the skin replaces the kernel."),
             field("reach", &Psf::reach, "m, > 0; 0: 3 sigma."));
-  module.def("gaussian_psf", &gaussianPsf, "sigma"_a, "size"_a, "normalization"_a = Psf::Normalization::kPerSource,
-             "A Gaussian kernel of `sigma` (taxels, > 0), sampled at taxel centres.");
+  module.def(
+      "gaussian_psf",
+      [](double sigma, int size, const Argument<Psf::Normalization>& normalization) {
+        return gaussianPsf(sigma, size, normalization.value);
+      },
+      "sigma"_a, "size"_a, "normalization"_a = Psf::Normalization::kPerSource,
+      "A Gaussian kernel of `sigma` (taxels, > 0), sampled at taxel centres.");
 }
 
 void bindReadout(nb::module_& module) {

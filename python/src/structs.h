@@ -1,7 +1,7 @@
 // Settings structs of the library as immutable Python classes.
 //
-// Constructors take keywords only, with the defaults of C++, or defaults that follow from other fields. Fields are read-only; replace()
-// makes a changed copy. The classes compare by value, pickle, and print as the call that makes them.
+// Constructors have the defaults of C++, or defaults that follow from other fields, and take keywords; one or two fields also by position.
+// Fields are read-only; replace() makes a changed copy. The classes compare by value, pickle, and print as the call that makes them.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -10,21 +10,22 @@
 #include <optional>
 #include <string_view>
 
+#include "argument.h"
 #include "bind.h"
 
 namespace taxelsim::python {
 
 template <typename Struct, typename Member>
 struct Field {
-  using Argument = Member;  // of the constructor
+  using Parameter = ArgumentFor<Member>;  // of the constructor
 
   const char* name;
   Member Struct::*member;
   const char* doc;
 
-  Argument defaultOf(const Struct& defaults) const { return defaults.*member; }
-  void assign(Struct& self, const Argument& value) const { self.*member = value; }
-  void derive(Struct&, const Argument&) const {}
+  Member defaultOf(const Struct& defaults) const { return defaults.*member; }
+  void assign(Struct& self, const Parameter& value) const { self.*member = valueOf(value); }
+  void derive(Struct&, const Parameter&) const {}
 };
 
 template <typename Struct, typename Member>
@@ -35,16 +36,16 @@ Field<Struct, Member> field(const char* name, Member Struct::*member, const char
 // A field whose default follows from the others.
 template <typename Struct, typename Member>
 struct DerivedField {
-  using Argument = std::optional<Member>;
+  using Parameter = std::optional<Member>;
 
   const char* name;
   Member Struct::*member;
   const char* doc;
   Member (*otherwise)(const Struct&);
 
-  Argument defaultOf(const Struct&) const { return {}; }
-  void assign(Struct& self, const Argument& value) const { self.*member = value.value_or(Member{}); }
-  void derive(Struct& self, const Argument& value) const {
+  Parameter defaultOf(const Struct&) const { return {}; }
+  void assign(Struct& self, const Parameter& value) const { self.*member = value.value_or(Member{}); }
+  void derive(Struct& self, const Parameter& value) const {
     if (!value) self.*member = otherwise(self);
   }
 };
@@ -54,7 +55,7 @@ DerivedField<Struct, Member> derivedField(const char* name, Member Struct::*memb
   return {name, member, doc, otherwise};
 }
 
-// Adds `_fields`, replace(), __eq__, __repr__ and __reduce__ to a class whose constructor takes the fields as keywords.
+// Adds `_fields`, replace(), __eq__, __repr__ and __reduce__ to a class whose constructor, bound before, takes the fields as keywords.
 void addValueSemantics(nb::handle type, const nb::tuple& names);
 
 // Adds constructor and fields. The casters of all members must be included, and classes among them bound before. made(struct) is called
@@ -65,15 +66,17 @@ void addCheckedFields(nb::class_<Struct>& type, Made made, Fields... fields) {
     type.def(nb::init<>());
   } else {
     const Struct defaults{};
-    type.def(
-        "__init__",
-        [made, fields...](Struct* self, const typename Fields::Argument&... values) {
-          new (self) Struct{};
-          (fields.assign(*self, values), ...);
-          (fields.derive(*self, values), ...);
-          made(*self);
-        },
-        nb::kw_only(), (nb::arg(fields.name) = fields.defaultOf(defaults))...);
+    const auto make = [made, fields...](Struct* self, const typename Fields::Parameter&... values) {
+      new (self) Struct{};
+      (fields.assign(*self, values), ...);
+      (fields.derive(*self, values), ...);
+      made(*self);
+    };
+    if constexpr (sizeof...(Fields) <= 2) {
+      type.def("__init__", make, (nb::arg(fields.name) = fields.defaultOf(defaults))...);
+    } else {
+      type.def("__init__", make, nb::kw_only(), (nb::arg(fields.name) = fields.defaultOf(defaults))...);
+    }
   }
   (type.def_ro(fields.name, fields.member, fields.doc), ...);
   addValueSemantics(type, nb::make_tuple(fields.name...));

@@ -102,7 +102,7 @@ from ._log import set_log_level
 from .contact_points import ContactPoints, contact_points
 from .dataset import Dataset
 from .environment import Environment, EnvironmentFrame, TaskState, episode_keys
-from .errors import DeviceError, Error, InputError, IoError, OutOfRangeError
+from .errors import ArgumentError, DeviceError, Error, InputError, IoError, OutOfRangeError
 from .frame import CleanTactileJacobian, ContactFeatures, Features, Frame, GroundTruth, TactileJacobian
 from .gradients import Gradient, vjp
 from .parts import EvaluationPart, evaluate_part, merge_evaluations
@@ -118,6 +118,7 @@ __all__ = [
     "SCENES",
     "TASK_MEASURES",
     "AreaStiffness",
+    "ArgumentError",
     "Box",
     "Capsule",
     "CleanTactileJacobian",

@@ -25,6 +25,8 @@ def _text(shape: Sequence[object]) -> str:
 def shape_text(shape: Sequence[Dimension]) -> str:
     """The expected shape with symbols and sizes: "(N, 7) = (4096, 7)"."""
     symbols = [size if isinstance(size, int) else size[1] for size in shape]
+    if any(_size(dimension) < 0 for dimension in shape):
+        return _text(symbols)
     sizes = _text([_size(dimension) for dimension in shape])
     return sizes if symbols == [_size(dimension) for dimension in shape] else f"{_text(symbols)} = {sizes}"
 
@@ -32,6 +34,8 @@ def shape_text(shape: Sequence[Dimension]) -> str:
 def _suggestion(found: tuple[int, ...], shape: Sequence[Dimension]) -> str:
     """What the caller probably meant: the same axes in another order, or an array without its batch axis."""
     expected = tuple(_size(dimension) for dimension in shape)
+    if min(expected, default=0) < 0:
+        return "; did you mean array.T?" if _fits(found[::-1], shape) else ""
     if len(found) == len(expected) and sorted(found) == sorted(expected):
         if len(found) == 2 or found == expected[::-1]:
             return "; did you mean array.T? The instances are the first axis"

@@ -19,6 +19,10 @@ class InputError(Error, ValueError):
     """A file, argument or value that the caller can correct."""
 
 
+class ArgumentError(InputError, TypeError):
+    """Arguments that a function does not take: of another type, missing or unknown."""
+
+
 class OutOfRangeError(InputError, IndexError):
     """An index outside of a sequence."""
 

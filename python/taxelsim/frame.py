@@ -24,10 +24,15 @@ BoolArray = npt.NDArray[np.bool_]
 class Arrays:
     """Named arrays as attributes. Arrays that were not requested are missing."""
 
+    __slots__ = ("__dict__", "__weakref__", "_absent")
+
+    _absent: Mapping[str, str]
     _nested: ClassVar[Mapping[str, type[Arrays]]] = {}
     _requests: ClassVar[Mapping[str, str]] = {}  # field of OutputOptions by attribute
 
-    def __init__(self, arrays: Mapping[str, Any]) -> None:
+    def __init__(self, arrays: Mapping[str, Any], absent: Mapping[str, str] | None = None) -> None:
+        """absent: why there are no arrays of these names."""
+        object.__setattr__(self, "_absent", absent or {})
         for name, value in arrays.items():
             object.__setattr__(self, name, self._nested[name](value) if isinstance(value, Mapping) else value)
 
@@ -35,6 +40,8 @@ class Arrays:
         raise AttributeError(f"{type(self).__name__}.{name} is read-only")
 
     def __getattr__(self, name: str) -> Any:
+        if name in self._absent:
+            raise AttributeError(f"{type(self).__name__} has no {name}: {self._absent[name]}")
         if name in self._requests:
             raise AttributeError(f"{name} was not requested: Simulator(..., outputs=OutputOptions({self._requests[name]}=True))")
         raise AttributeError(f"{type(self).__name__} has no attribute {name}; it has {', '.join(self)}")
@@ -55,10 +62,10 @@ class Arrays:
 
     def copy(self) -> Self:
         """The same arrays, copied: they do not change when the simulator steps."""
-        return type(self)(_copied(self.as_dict()))
+        return type(self)(_copied(self.as_dict()), self._absent)
 
-    def __reduce__(self) -> tuple[type[Self], tuple[dict[str, Any]]]:
-        return type(self), (self.as_dict(),)
+    def __reduce__(self) -> tuple[type[Self], tuple[dict[str, Any], Mapping[str, str]]]:
+        return type(self), (self.as_dict(), self._absent)
 
     def __repr__(self) -> str:
         parts = (f"{name}{value.shape}" if isinstance(value, np.ndarray) else name for name, value in vars(self).items())

@@ -111,15 +111,19 @@ std::string listNames(const std::vector<DeviceInfo>& infos) {
 
 // Index of the first device that matches `wanted`, or TAXELSIM_DEVICE if it is empty. Throws Error(kDevice) if there is none.
 std::size_t chooseDevice(const std::vector<DeviceInfo>& infos, std::string wanted) {
-  std::string source = "--device";
+  std::string source = "device";
   if (wanted.empty()) {
     if (const char* environment = std::getenv("TAXELSIM_DEVICE")) wanted = environment;
     source = "TAXELSIM_DEVICE";
   }
   const auto chosen = std::find_if(infos.begin(), infos.end(), [&](const DeviceInfo& info) { return matches(info, wanted); });
   if (chosen != infos.end()) return static_cast<std::size_t>(chosen - infos.begin());
+  if (infos.empty()) throw Error(ErrorKind::kDevice, kNoDevice);
   throw Error(ErrorKind::kDevice,
-              infos.empty() ? kNoDevice : source + ": no device matches \"" + wanted + "\"; there is " + listNames(infos));
+              source + ": no device matches \"" + wanted +
+                  "\"; allowed are gpu, discrete, integrated, cpu, an index, or part of a name of Vulkan's " +
+                  "devices: " + listNames(infos) +
+                  ". A GPU that is missing there needs its vendor's Vulkan driver (ICD), which VK_ICD_FILENAMES may hide");
 }
 
 // The first family of queues that compute. One without graphics is preferred: it does not wait for the desktop.

@@ -107,14 +107,20 @@ class OnnxPolicy:
     def _values(self, tensor: Any, observation: Any) -> NDArray[Any]:
         if not isinstance(observation, dict):
             if len(self._inputs) > 1:
-                names = ", ".join(repr(t.name) for t in self._inputs)
-                raise InputError(f"{self.file}: inputs {names} found, but there is one observation")
+                names = ",".join(t.name for t in self._inputs)
+                raise InputError(
+                    f"{self.file}: {len(self._inputs)} inputs ({names}) found, but there is one observation; "
+                    f"choose one for each input by its name: --observations {names}, or Policy(..., observations={tuple(names.split(','))})"
+                )
             return np.asarray(observation)
         if tensor.name in observation:
             return np.asarray(observation[tensor.name])
         if len(self._inputs) == 1:
             return np.concatenate([values.reshape(len(values), -1) for values in observation.values()], axis=1)
-        raise InputError(f"{self.file}: input {tensor.name!r} found, the observations are {', '.join(observation)}")
+        raise InputError(
+            f"{self.file}: input {tensor.name!r} found, the observations are {', '.join(observation)}; choose them by the names of the "
+            "inputs: --observations, or Policy(..., observations=...)"
+        )
 
 
 def _reopened(file: str, identity: str) -> OnnxPolicy:
