@@ -6,6 +6,7 @@
 #include <concepts>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -89,7 +90,9 @@ enum class UpAxis {
 
 /// Options of loadMesh().
 struct MeshOptions {
-  double scale = 1;             ///< Metres per unit of the file, > 0. Default 1.
+  double scale = 1;  ///< Metres per unit of the file, > 0. Default 1.
+  /// m, > 0: longest side of the bounding box that the mesh gets, instead of `scale`. Default: none.
+  std::optional<double> size = {};
   UpAxis up_axis = UpAxis::kZ;  ///< Axis of the file that becomes z; the other axes follow cyclically. Default kZ.
   /// m, >= 0, bound of the simplification. Default 1e-5 (10 um); 0 keeps every triangle.
   ///

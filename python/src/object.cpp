@@ -4,15 +4,18 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
 
 #include <cstring>
+#include <optional>
 
 #include "any_object.h"
 #include "interruptible.h"
 #include "structs.h"
+#include "taxelsim/error.h"
 
 namespace taxelsim::python {
 namespace {
@@ -39,6 +42,16 @@ nb::ndarray<nb::numpy, const T, nb::shape<-1, 3>> rowsOf(nb::handle mesh, const 
   return {rows.data(), {rows.size(), 3}, mesh};
 }
 
+Mesh centered(const Mesh& mesh) {
+  const Bounds bounds = boundsOf(mesh);
+  Mesh moved = mesh;
+  for (std::array<float, 3>& vertex : moved.vertices) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      vertex[axis] = static_cast<float>(vertex[axis] - (bounds.min[axis] + bounds.max[axis]) / 2);
+  }
+  return moved;
+}
+
 void bindMesh(nb::module_& module) {
   nb::class_<Mesh>(module, "Mesh", R"(A triangle mesh in its own frame O, m.
 
@@ -55,6 +68,7 @@ Raises InputError for another shape or dtype, NaN, an index out of range, or no 
       .def_prop_ro(
           "triangles", [](nb::handle self) { return rowsOf(self, nb::cast<const Mesh&>(self).triangles); }, nb::rv_policy::automatic,
           "(num_triangles, 3) uint32, indices into `vertices`. Read-only, no copy.")
+      .def("centered", &centered, "A copy whose bounding box has its middle in the origin.")
       .def(
           "__eq__", [](const Mesh& a, const Mesh& b) { return a.vertices == b.vertices && a.triangles == b.triangles; }, nb::is_operator(),
           nb::sig("def __eq__(self, other: object, /) -> bool"))
@@ -72,13 +86,18 @@ Raises InputError for another shape or dtype, NaN, an index out of range, or no 
       .value("Z", UpAxis::kZ, "The file's z.");
   module.def(
       "load_mesh",
-      [](const std::filesystem::path& file, double scale, UpAxis up_axis, double max_depth_error) {
-        return loadInterruptibly([&] { return loadMesh(file, {.scale = scale, .up_axis = up_axis, .max_depth_error = max_depth_error}); });
+      [](const std::filesystem::path& file, std::optional<double> scale, std::optional<double> size, const Argument<UpAxis>& up_axis,
+         double max_depth_error) {
+        if (scale && size) throw Error(ErrorKind::kInput, "load_mesh(): scale and size found, one of them allowed");
+        const MeshOptions options{.scale = scale.value_or(1), .size = size, .up_axis = up_axis.value, .max_depth_error = max_depth_error};
+        return loadInterruptibly([&] { return loadMesh(file, options); });
       },
-      "file"_a, nb::kw_only(), "scale"_a = 1.0, "up_axis"_a = UpAxis::kZ, "max_depth_error"_a = MeshOptions{}.max_depth_error,
+      "file"_a, nb::kw_only(), "scale"_a = nb::none(), "size"_a = nb::none(), "up_axis"_a = UpAxis::kZ,
+      "max_depth_error"_a = MeshOptions{}.max_depth_error,
       R"(Reads OBJ, STL, PLY or glTF as a Mesh.
 
-scale: metres per unit of the file, 0.001 for millimetres.
+scale: metres per unit of the file, 0.001 for millimetres; default 1.
+size: instead of scale: m, the longest side of the bounding box that the mesh gets.
 up_axis: axis of the file that becomes z.
 max_depth_error: m, bound of the simplification; 0 keeps every triangle. For a stiff skin use max_depth_error_of(sensor.skin).
 
@@ -122,9 +141,9 @@ void bindObjects(nb::module_& module) {
   addValueSemantics(type, nb::make_tuple("shape", "name"));
   module.def(
       "parse_object",
-      [](std::string_view text, double scale, UpAxis up_axis, double max_depth_error) {
+      [](std::string_view text, double scale, const Argument<UpAxis>& up_axis, double max_depth_error) {
         return loadInterruptibly(
-            [&] { return parseObject(text, {.scale = scale, .up_axis = up_axis, .max_depth_error = max_depth_error}); });
+            [&] { return parseObject(text, {.scale = scale, .up_axis = up_axis.value, .max_depth_error = max_depth_error}); });
       },
       "text"_a, nb::kw_only(), "scale"_a = 1.0, "up_axis"_a = UpAxis::kZ, "max_depth_error"_a = MeshOptions{}.max_depth_error,
       R"(An Object from the notation of the command line.
@@ -143,7 +162,8 @@ scale, up_axis, max_depth_error: of a mesh file, as in load_mesh().)");
       "object"_a, "Axis-aligned bounding box in O: lowest and highest coordinates, m.");
   module.def(
       "lowest_point", [](const AnyObject& object, const Quaternion& R_SO) { return lowestPoint(objectOf(object), R_SO); }, "object"_a,
-      "R_SO"_a, "Lowest point (m, in O) of the object rotated by the quaternion R_SO: its first contact with a flat skin.");
+      "R_SO"_a = Quaternion{1, 0, 0, 0},
+      "Lowest point (m, in O) of the object rotated by the quaternion R_SO (w, x, y, z): its first contact with a flat skin.");
 }
 
 }  // namespace taxelsim::python

@@ -2,10 +2,14 @@
 #include "taxelsim/simulator.h"
 
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 
 #include <algorithm>
+#include <cmath>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
 
 #include "frame_views.h"
@@ -18,6 +22,7 @@ namespace {
 
 using Ids = nb::ndarray<const int, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Poses = nb::ndarray<const double, nb::shape<-1, 7>, nb::c_contig, nb::device::cpu>;
+using WritablePoses = nb::ndarray<double, nb::shape<-1, 7>, nb::c_contig, nb::device::cpu>;
 using Points = nb::ndarray<const double, nb::shape<-1, 4>, nb::c_contig, nb::device::cpu>;
 using Mask = nb::ndarray<const std::uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Floats = nb::ndarray<const float, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
@@ -109,6 +114,30 @@ void vjp(SharedSimulator& self, const Floats& cotangent, const Floats& gain, con
   });
 }
 
+// Moves each object so that its anchor, by default its lowest point, lies where `poses` has its origin. Rows that setObjects() refuses
+// stay.
+void placeByAnchor(const ModelHandle& model, const Ids& ids, const WritablePoses& poses, const std::optional<Vector3>& anchor) {
+  const nb::gil_scoped_release release;
+  const std::vector<Object>& objects = model.get().objects();
+  int last_id = -1;
+  Quaternion last_rotation{};
+  Vector3 lowest{};
+  for (std::size_t i = 0; i < ids.shape(0); ++i) {
+    const int id = ids.data()[i];
+    double* const pose = poses.data() + 7 * i;
+    const double length = std::hypot(std::hypot(pose[3], pose[4]), std::hypot(pose[5], pose[6]));
+    if (id < 0 || id >= static_cast<int>(objects.size()) || !(length > 0)) continue;
+    const Quaternion rotation{pose[3] / length, pose[4] / length, pose[5] / length, pose[6] / length};
+    if (!anchor && (id != last_id || rotation != last_rotation)) {
+      lowest = lowestPoint(objects[static_cast<std::size_t>(id)], rotation);
+      last_id = id;
+      last_rotation = rotation;
+    }
+    const Vector3 offset = rotate(rotation, anchor.value_or(lowest));
+    for (std::size_t axis = 0; axis < 3; ++axis) pose[axis] -= offset[axis];
+  }
+}
+
 void bindOptions(nb::module_& module) {
   nb::class_<OutputOptions> outputs(module, "OutputOptions",
                                     "Optional outputs of a Simulator. Features and the tactile image are always computed.");
@@ -158,6 +187,7 @@ void bindSimulator(nb::module_& module) {
   module.def(
       "plan", [](const ModelHandle& model, const SimulatorOptions& options) { return Simulator::plan(model.get(), options); }, "model"_a,
       "options"_a, "Device memory that a Simulator with these options would take. Allocates nothing.");
+  module.def("place_by_anchor", &placeByAnchor, "model"_a, "ids"_a, "poses"_a, "anchor"_a.none());
   nb::class_<SharedSimulator>(module, "Simulator", "The batch behind taxelsim.Simulator.")
       .def(
           "__init__",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 from typing import Any
 
@@ -17,6 +18,8 @@ from ._first_frame import FirstFrame
 from .errors import InputError
 from .frame import Frame
 from .gradients import Gradient
+
+_log = logging.getLogger("taxelsim")
 
 NO_OBJECT = -1
 """Id of an empty slot."""
@@ -74,8 +77,12 @@ class Simulator:
         self._batch = _core.Simulator(model, self._options)
         arrays = self._batch.arrays()
         self._newtons = NewtonImage(arrays["tactile_image"], model.sensor.readout) if image_unit == "newtons" else None
-        self._frame = Frame(arrays if self._newtons is None else {**arrays, "tactile_image": self._newtons.array})
+        one_axis = (
+            {} if model.sensor.readout.three_axis else {"taxel_counts": f"{model.sensor.name} has one-axis taxels (no readout.three_axis)"}
+        )
+        self._frame = Frame(arrays if self._newtons is None else {**arrays, "tactile_image": self._newtons.array}, one_axis)
         self._first: FirstFrame | None = FirstFrame(model.sensor, "set_contacts" if max_contacts > 0 else "set_objects")
+        self._warns_of_loads = True
 
     @staticmethod
     def plan(model: Model, options: SimulatorOptions) -> MemoryPlan:
@@ -106,12 +113,14 @@ class Simulator:
     def _N(self) -> Dimension:
         return (self.num_instances, "N")
 
-    def set_objects(self, ids: npt.ArrayLike, poses: npt.ArrayLike) -> None:
+    def set_objects(self, ids: npt.ArrayLike, poses: npt.ArrayLike, *, anchor: str | npt.ArrayLike = "origin") -> None:
         """Objects that each instance touches from the next step() on.
 
         ids: (N,), or (N, S), indices into model.objects, or NO_OBJECT. A single integer stands for all instances.
         poses: (N, 7) position (m) and quaternion (w, x, y, z) of the object in S, or (N, 4, 4) matrices; with slots (N, S, 7) or
             (N, S, 4, 4). Ignored for empty slots, but must be finite.
+        anchor: the point of each object that lies at the position of its pose: "origin", of O; "lowest", its lowest point after the
+            rotation, as in scenes; or a point (3,) in O, m.
 
         An object whose bounding box is wholly deeper than the skin of a sensor of one patch is behind it and presses on nothing.
 
@@ -127,6 +136,12 @@ class Simulator:
         if pose_array.shape[-2:] == (4, 4):
             pose_array = self._from_matrices(pose_array)
         id_array, pose_array = id_array.reshape(-1), pose_array.reshape(-1, 7)
+        if isinstance(anchor, str) and anchor not in ("origin", "lowest"):
+            raise InputError(f"anchor: {anchor!r} found, 'origin', 'lowest' or a point (3,) allowed")
+        if not isinstance(anchor, str) or anchor == "lowest":
+            point = None if isinstance(anchor, str) else to_array("anchor", anchor, np.float64, [[3]], per_instance=False).tolist()
+            pose_array = pose_array.copy()
+            _core.place_by_anchor(self._model, id_array, pose_array, point)
         self._batch.set_objects(id_array, pose_array)
         if self._first is not None:
             self._first.given(pose_array[id_array != NO_OBJECT, :3])
@@ -247,7 +262,19 @@ class Simulator:
             self._newtons.update()
         if self._first is not None and self._first.read(self._frame):
             self._first = None
+        if self._warns_of_loads and not self._frame.ground_truth.load_reached.all():
+            self._warns_of_loads = False
+            self._warn_of_loads(self._frame.ground_truth.load_reached)
         return self._frame
+
+    def _warn_of_loads(self, reached: npt.NDArray[np.bool_]) -> None:
+        _log.warning(
+            "%d of %d instances did not reach their load, instance %d first (frame.ground_truth.load_reached): the object may not lie on "
+            'the taxels, as poses place its origin; set_objects(anchor="lowest") places its lowest point',
+            np.count_nonzero(~reached),
+            len(reached),
+            np.argmin(reached),
+        )
 
     def vjp(self, cotangent: npt.ArrayLike, gain: npt.ArrayLike = 1.0) -> Gradient:
         """Pulls the gradient of a loss by the forces of taxels back to the sensor's pose and to the gains, on the device.

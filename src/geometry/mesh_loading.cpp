@@ -115,11 +115,23 @@ Mesh readMesh(const std::filesystem::path& file, MeshFormat format, const MeshOp
   return weld(mesh);
 }
 
+// The mesh, scaled to a bounding box whose longest side is `size`, m.
+Mesh resized(Mesh mesh, double size) {
+  const Bounds bounds = meshBounds(mesh);
+  double longest = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) longest = std::max(longest, bounds.max[axis] - bounds.min[axis]);
+  for (std::array<float, 3>& vertex : mesh.vertices) {
+    for (float& coordinate : vertex) coordinate = static_cast<float>(coordinate * (size / longest));
+  }
+  return weld(mesh);
+}
+
 }  // namespace
 
 Mesh loadMesh(const std::filesystem::path& file, const MeshOptions& options) {
   try {
     checkFields("", kMeshScaleFields, options);
+    checkFields("", kMeshSizeFields, options);
     checkFields("", kMeshErrorFields, options);
   } catch (const Error& error) {
     fail(file, error.what());
@@ -128,7 +140,8 @@ Mesh loadMesh(const std::filesystem::path& file, const MeshOptions& options) {
   const MeshFormat format = formatOf(file);
   Mesh mesh;
   try {
-    const Mesh full = readMesh(file, format, options);
+    Mesh full = readMesh(file, format, options);
+    if (options.size) full = resized(std::move(full), *options.size);
     const std::string size = implausibleSize(meshBounds(full), "is the file in millimetres? scale: " + numberText(options.scale / 1000),
                                              "was it scaled twice? scale: " + numberText(options.scale * 1000));
     if (!size.empty()) logWarning(oneLine(file.string()) + ": the mesh " + size);

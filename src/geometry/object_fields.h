@@ -32,6 +32,7 @@ inline constexpr std::array kTorusFields{
 inline constexpr std::array kMeshScaleFields{
     Field<MeshOptions>{"scale", &MeshOptions::scale, Allowed::above(0, "m per unit of the file")},
 };
+inline constexpr std::array kMeshSizeFields{Field<MeshOptions>{"size", &MeshOptions::size, Allowed::above(0, "m")}};
 inline constexpr std::array kMeshErrorFields{
     Field<MeshOptions>{"max_depth_error[_mm]", &MeshOptions::max_depth_error, Allowed::atLeast(0, "m")},
 };
