@@ -3,15 +3,43 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, TypedDict
 
-from ._core import Scene
+from ._core import Device, Scene
 
 if TYPE_CHECKING:
-    from .envs import TactileVectorEnv
+    from gymnasium.vector import AutoresetMode
+    from typing_extensions import Unpack
+
+    from .envs import Reward, TactileVectorEnv
 
 
-def make_vec(scene: Scene | str | os.PathLike[str], num_envs: int = 1, **arguments: Any) -> TactileVectorEnv:
+class EnvArguments(TypedDict, total=False):
+    """Optional arguments of taxelsim.envs.TactileEnv."""
+
+    observations: str | Sequence[str]
+    image_unit: str
+    normalized: bool
+    history: int
+    copy: bool
+    action: str
+    actions: str | Sequence[str] | None
+    linear_scale: float | None
+    angular_scale: float | None
+    reward: Reward | None
+    max_lost_time: float
+    render_mode: str | None
+    device: Device | str
+
+
+class VectorEnvArguments(EnvArguments, total=False):
+    """Optional arguments of taxelsim.envs.TactileVectorEnv."""
+
+    autoreset_mode: AutoresetMode | str
+
+
+def make_vec(scene: Scene | str | os.PathLike[str], num_envs: int = 1, **arguments: Unpack[VectorEnvArguments]) -> TactileVectorEnv:
     """A vector environment of Gymnasium over a scene of kind servo with a task. arguments: of taxelsim.envs.TactileVectorEnv."""
     try:
         from .envs import TactileVectorEnv

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from types import EllipsisType
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,6 +43,10 @@ class Column:
     def __len__(self) -> int:
         return self.shape[0]
 
+    @overload
+    def __getitem__(self, key: slice | EllipsisType | Sequence[int] | NDArray[Any]) -> NDArray[Any]: ...
+    @overload
+    def __getitem__(self, key: int | np.integer[Any] | tuple[Any, ...]) -> Any: ...
     def __getitem__(self, key: Any) -> Any:
         first, *rest = (key or (...,)) if isinstance(key, tuple) else (key,)
         if first is Ellipsis:

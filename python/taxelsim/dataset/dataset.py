@@ -6,7 +6,7 @@ import difflib
 from collections.abc import Iterator, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -121,6 +121,10 @@ class Dataset:
         first = self._layout.episode_ends[index - 1] if index else 0
         return self._range(self._chosen(columns, self.columns), index, int(first), int(self._layout.episode_ends[index]))
 
+    @overload
+    def frames(self, indices: int | np.integer[Any], columns: Sequence[str] | None = None) -> dict[str, Any]: ...
+    @overload
+    def frames(self, indices: slice | Sequence[int] | NDArray[Any], columns: Sequence[str] | None = None) -> dict[str, NDArray[Any]]: ...
     def frames(self, indices: Any, columns: Sequence[str] | None = None) -> dict[str, Any]:
         """Frames by name of column: arrays (R, ...), of columns in meta/ the values of the episodes that the frames belong to.
 

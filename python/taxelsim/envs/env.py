@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import gymnasium
 import numpy as np
@@ -11,8 +11,12 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from .._core import Scene
+from ..vectorized import EnvArguments
 from .episodic import EpisodicVectorEnv
 from .vector_env import TactileVectorEnv
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
 class EpisodicEnv(gymnasium.Env[Any, NDArray[Any]]):
@@ -56,7 +60,7 @@ class EpisodicEnv(gymnasium.Env[Any, NDArray[Any]]):
 class TactileEnv(EpisodicEnv):
     """`TactileVectorEnv` with one environment and the interface of `gymnasium.Env`. Takes the same arguments."""
 
-    def __init__(self, scene: Scene | str | os.PathLike[str], **kwargs: Any) -> None:
+    def __init__(self, scene: Scene | str | os.PathLike[str], **kwargs: Unpack[EnvArguments]) -> None:
         super().__init__(TactileVectorEnv(scene, 1, autoreset_mode=AutoresetMode.DISABLED, **kwargs))
 
 
