@@ -117,7 +117,7 @@ void vjp(SharedSimulator& self, const Floats& cotangent, const Floats& gain, con
 // Moves each object so that its anchor, by default its lowest point, lies where `poses` has its origin. Rows that setObjects() refuses
 // stay.
 void placeByAnchor(const ModelHandle& model, const Ids& ids, const WritablePoses& poses, const std::optional<Vector3>& anchor) {
-  const nb::gil_scoped_release release;
+  const WithoutGil released;
   const std::vector<Object>& objects = model.get().objects();
   int last_id = -1;
   Quaternion last_rotation{};

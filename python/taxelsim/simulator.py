@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Sequence
 from typing import Any
 
@@ -15,11 +14,10 @@ from ._arrays import Dimension, to_array
 from ._core import DeviceTraffic, MemoryPlan, Model, OutputOptions, SimulatorOptions, StepTiming
 from ._counts import IMAGE_UNITS, NewtonImage
 from ._first_frame import FirstFrame
+from ._log import logger
 from .errors import InputError
 from .frame import Frame
 from .gradients import Gradient
-
-_log = logging.getLogger("taxelsim")
 
 NO_OBJECT = -1
 """Id of an empty slot."""
@@ -268,7 +266,7 @@ class Simulator:
         return self._frame
 
     def _warn_of_loads(self, reached: npt.NDArray[np.bool_]) -> None:
-        _log.warning(
+        logger.warning(
             "%d of %d instances did not reach their load, instance %d first (frame.ground_truth.load_reached): the object may not lie on "
             'the taxels, as poses place its origin; set_objects(anchor="lowest") places its lowest point',
             np.count_nonzero(~reached),

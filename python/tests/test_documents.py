@@ -30,19 +30,6 @@ def test_the_first_batch_runs(document, heading, monkeypatch, tmp_path):
     assert frame.ground_truth.total_force[-1] == pytest.approx(5, rel=1e-3)
 
 
-def test_sensors_and_objects_of_the_document_are_valid(monkeypatch):
-    program = first_program("docs/python.md", "## Sensors and objects").replace('taxelsim.load_mesh("bolt_mm.stl", scale=0.001)', "mesh")
-    names = {
-        "taxelsim": taxelsim,
-        "sensor": taxelsim.load_sensor(taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml"),
-        "vertices": np.eye(3),
-        "triangles": [[0, 1, 2]],
-    }
-    exec(program, names)
-    taxelsim.check_sensor(names["noisy"])
-    taxelsim.check_sensor(names["pad"])
-
-
 def test_the_tour_runs_and_makes_its_pictures(monkeypatch, tmp_path, capsys):
     text = (ROOT / "docs/tour.md").read_text()
     blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import inspect
 import itertools
 import json
 import logging
@@ -16,6 +17,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import av
@@ -28,15 +30,19 @@ import pytest
 import taxelsim
 import taxelsim.envs
 import taxelsim.mujoco
-from taxelsim.envs import TactileEnv
+from taxelsim.envs import TactileEnv, TactileVectorEnv
 from taxelsim.export import FORMATS, Options, export
 from taxelsim.pictures import TAXEL_COUNTS, range_of, tactile_pictures
+from taxelsim.policies import OnnxPolicy
 from taxelsim.program import PROGRAM
 from taxelsim.report import summarize
+from taxelsim.vectorized import VectorEnvArguments
 
 from .envs.conftest import write_scene
 from .mujoco import models
 from .viewer.conftest import Recorded
+
+ROOT = Path(__file__).resolve().parents[2]
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -627,6 +633,50 @@ def test_a_name_that_is_no_object_lists_the_formats():
 
 # == Meshes lie where a new user expects them ==
 
+
+def test_the_lowest_point_of_a_mesh_is_placed_as_in_scenes(device, sensor, tmp_path):
+    corner = taxelsim.load_mesh(write_cube(tmp_path / "cube.obj", 0.01))
+    cube = taxelsim.Mesh(corner.vertices + np.array([0.5, 0, 0]), corner.triangles)  # its origin is half a metre away
+    low, high = taxelsim.bounds_of(cube.centered())
+    assert np.add(low, high) == pytest.approx(np.zeros(3), abs=1e-7)
+    assert taxelsim.lowest_point(cube) == pytest.approx([0.505, 0.005, 0])
+    simulator = taxelsim.Simulator(taxelsim.Model(device, sensor, [cube, taxelsim.Sphere(0.01)]), 4)
+    simulator.set_loads(1)
+    poses = np.tile([0, 0, 0, *taxelsim.axis_angle([1, 0, 0], 0.2)], (4, 1))
+    reached = {}
+    for anchor in ("origin", "lowest", taxelsim.lowest_point(cube, poses[0, 3:])):
+        simulator.set_objects([0, 0, 1, 1], poses, anchor=anchor)
+        simulator.step(0.01)
+        frame = simulator.read().copy()
+        reached[str(anchor)] = frame.ground_truth.load_reached.tolist()
+        if anchor == "lowest":
+            assert frame.center_of_pressure[:, :2] == pytest.approx(np.zeros((4, 2)), abs=2e-3)  # half a taxel
+    assert list(reached.values()) == [[False, False, True, True], [True] * 4, [True, True, False, False]]
+    with pytest.raises(taxelsim.InputError, match="anchor: 'middle' found, 'origin', 'lowest' or a point"):
+        simulator.set_objects(0, poses, anchor="middle")
+
+
+def test_loads_out_of_reach_are_warned_of_once(device, sensor, caplog):
+    simulator = taxelsim.Simulator(taxelsim.Model(device, sensor, [taxelsim.Sphere(0.01)]), 3)
+    simulator.set_objects(0, [[0, 0, 0.01, 1, 0, 0, 0], [0.5, 0, 0, 1, 0, 0, 0], [0.5, 0, 0, 1, 0, 0, 0]])
+    simulator.set_loads(1)
+    for _ in range(2):
+        simulator.step(0.01)
+        simulator.read()
+    assert [record.getMessage()[:83] for record in caplog.records] == [
+        "2 of 3 instances did not reach their load, instance 1 first (frame.ground_truth.loa"
+    ]
+
+
+def test_a_mesh_file_is_scaled_to_a_size(tmp_path):
+    file = write_cube(tmp_path / "cube.obj", 700)
+    assert taxelsim.bounds_of(taxelsim.load_mesh(file, size=0.03))[1] == pytest.approx([0.03, 0.03, 0.03])
+    with pytest.raises(taxelsim.InputError, match="scale and size"):
+        taxelsim.load_mesh(file, size=0.03, scale=0.001)
+    with pytest.raises(taxelsim.InputError, match=r"size: 0 is not allowed"):
+        taxelsim.load_mesh(file, size=0)
+
+
 # == Noise alone is no contact ==
 
 
@@ -733,6 +783,75 @@ def test_log_level_and_stderr():
 
 # == Arguments of the wrong kind get one line ==
 
+
+def test_names_files_and_single_numbers_are_taken(device, sensor, tmp_path):
+    assert sensor.replace(depth_sampling="area").depth_sampling == taxelsim.DepthSampling.AREA
+    assert taxelsim.GridPatch(pitch=0.002).pitch == [0.002, 0.002]
+    assert taxelsim.Sphere(0.01) == taxelsim.Sphere(radius=0.01)
+    file = write_cube(tmp_path / "cube.obj", 0.01)
+    model = taxelsim.Model(device, taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml", [str(file), "sphere:0.01", taxelsim.Sphere(0.01)])
+    assert model.sensor == sensor
+    assert [each.name for each in model.objects] == ["cube", "sphere:0.01", "sphere"]
+    assert taxelsim.Device.open(0).info.index == 0
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda t: t.Model(t.device, 3), "Model(): sensor: int 3 found, Sensor, str or PathLike allowed; use load_sensor()"),
+        (lambda t: t.Model(t.device, t.sensor, [t.Sphere(0.01), 3]), "Model(): objects[1]: int 3 found, Object, Mesh, Sphere, "),
+        (lambda t: t.Model(t.device, t.sensor, "cube.obj"), "Model(): objects: str 'cube.obj' found, Sequence[Object | Mesh | "),
+        (lambda t: t.Model("cpu", t.sensor), "Model(): device: str 'cpu' found, Device allowed; use Device.open()"),
+        (lambda t: t.generate(t.scene, "out", device="cpu"), "generate(): device: str 'cpu' found, Device allowed; use Device.open()"),
+        (lambda t: t.Simulator(t.sensor), "Simulator(): model: Sensor found, Model allowed"),
+        (lambda t: t.Simulator(t.model, 1.5), "SimulatorOptions(): num_instances: float 1.5 found, int allowed"),
+        (lambda t: t.Simulator(t.model, seed=-1), "SimulatorOptions(): seed: -1 found, which is out of range"),
+        (lambda t: t.simulator.step("0.01"), "Simulator.step(): dt: str '0.01' found, float allowed"),
+        (lambda t: t.Sphere("large"), "Sphere(): radius: str 'large' found, float allowed"),
+        (lambda t: t.Sphere(0.1, 0.2), "Sphere(): too many arguments without a name found, allowed are radius"),
+        (lambda t: t.Skin(0.002), "Skin(): too many arguments without a name found, allowed are thickness, law, "),
+        (lambda t: t.Box(size=(1, 2)), "Box(): size: 2 values found, 3 allowed"),
+        (lambda t: t.Skin(thicknes=0.002), "Skin(): unknown argument thicknes found, did you mean thickness?"),
+        (lambda t: t.sensor.replace(skn=3), "Sensor(): unknown argument skn found, did you mean skin?"),
+        (lambda t: t.sensor.replace(depth_sampling="aera"), "Sensor(): depth_sampling: str 'aera' found, area, point allowed"),
+        (lambda t: t.sensor.replace(patches=[3]), "Sensor(): patches[0]: int 3 found, GridPatch allowed"),
+        (lambda t: t.sensor.replace(skin=None), "Sensor(): skin: None found, Skin allowed"),
+        (lambda t: t.Device("cpu"), "Device() is no constructor: use Device.open()"),
+        (lambda t: t.Scene("x.yaml"), "Scene() is no constructor: use load_scene()"),
+        (lambda t: t.load_mesh(), "load_mesh(): missing a required argument: 'file'"),
+        (lambda t: t.load_mesh(3), "load_mesh(): file: int 3 found, str or PathLike allowed"),
+        (lambda t: t.Mesh([[0, 1], [1, 0], [1, 1]], [[0, 1, 2]]), "vertices: shape (3, 2) found, (V, 3) expected; did you mean array.T?"),
+        (lambda t: t.simulator.read().taxel_counts, "Frame has no taxel_counts: wts0614_soft_cover has one-axis taxels"),
+    ],
+)
+def test_wrong_arguments_are_one_line(device, sensor, model, call, message):
+    simulator = taxelsim.Simulator(model, 1)
+    names = {name: getattr(taxelsim, name) for name in taxelsim.__all__}
+    scene = taxelsim.SCENES / "edge_servo.yaml"
+    touched = SimpleNamespace(**{**names, "device": device, "sensor": sensor, "model": model, "scene": scene, "simulator": simulator})
+    with pytest.raises((taxelsim.InputError, AttributeError)) as caught:
+        call(touched)
+    assert str(caught.value).startswith(message)
+    assert "\n" not in str(caught.value)
+    assert not isinstance(caught.value, taxelsim.ArgumentError) or isinstance(caught.value, TypeError)
+
+
+def test_an_unknown_device_is_told_what_vulkan_has():
+    with pytest.raises(taxelsim.DeviceError) as caught:
+        taxelsim.Device.open("cuda")
+    for word in ('"cuda"', "Vulkan", "gpu", "cpu", "ICD", taxelsim.list_devices()[0].name):
+        assert word in str(caught.value)
+
+
+def test_an_onnx_file_with_several_inputs_is_told_how_to_choose_observations():
+    policy = OnnxPolicy.__new__(OnnxPolicy)  # without a file, which would need onnx
+    policy.file, policy.batch_size = Path("three.onnx"), None
+    policy._inputs = [SimpleNamespace(name=name) for name in ("contact", "features", "proprioception")]
+    with pytest.raises(taxelsim.InputError) as caught:
+        policy(np.zeros((2, 6)))
+    assert "--observations contact,features,proprioception, or Policy(..., observations=('contact', " in str(caught.value)
+
+
 # == inspect says what it verified ==
 
 
@@ -753,7 +872,69 @@ def test_inspect_says_that_nothing_has_changed(tmp_path):
 
 # == Typos are found before the program runs ==
 
+
+def test_native_classes_have_signatures():
+    names = [name for name in taxelsim.__all__ if getattr(getattr(taxelsim, name), "__module__", "") == "taxelsim._core"]
+    members = [getattr(taxelsim, name) for name in names]
+    with_constructor = [each for each in members if not isinstance(each, type) or "__signature__" in vars(each)]
+    assert len(with_constructor) > 60
+    for member in with_constructor:
+        inspect.signature(member)
+    assert str(inspect.signature(taxelsim.Sphere)) == "(radius: 'float' = 0.0)"
+    assert str(inspect.signature(taxelsim.Sphere.replace)) == "(self, *, radius: 'float' = Ellipsis) -> 'Self'"
+    assert list(inspect.signature(taxelsim.Model).parameters) == ["device", "sensor", "objects", "contact_workgroup", "image_workgroup"]
+    assert list(inspect.signature(taxelsim.load_mesh).parameters) == ["file", "scale", "size", "up_axis", "max_depth_error"]
+
+
+def test_make_vec_takes_the_arguments_of_its_class():
+    keywords = [name for name, each in inspect.signature(TactileVectorEnv).parameters.items() if each.kind == each.KEYWORD_ONLY]
+    assert sorted(VectorEnvArguments.__annotations__) == sorted(keywords)
+
+
+def test_mypy_finds_typos(tmp_path):
+    file = tmp_path / "typos.py"
+    file.write_text(
+        "import taxelsim\n"
+        "sphere = taxelsim.Sphere(0.01).replace(radius=0.02)\n"
+        "image: int = taxelsim.Dataset('out')['data/tactile_image'][3:7]  # E\n"
+        "taxelsim.make_vec('scene.yaml', observatons='contact')  # E\n"
+        "sphere.replace(radios=0.02)  # E\n"
+        "taxelsim.Sensor(depth_sampling='area').replace(depth_sampling='point')\n"
+        "taxelsim.GridPatch(pitch=0.002)\n"
+    )
+    package = Path(taxelsim.__file__).parent
+    command = [sys.executable, "-m", "mypy", "--config-file", str(ROOT / "pyproject.toml"), "--cache-dir", str(tmp_path), str(file)]
+    done = subprocess.run(command, env={**os.environ, "MYPYPATH": str(package.parent)}, capture_output=True, text=True, check=False)
+    found = [int(line.split(":")[1]) for line in done.stdout.splitlines() if "error:" in line and "typos.py" in line]
+    assert found == [3, 4, 5], done.stdout + done.stderr
+
+
 # == Documents run as they are printed ==
+
+
+@pytest.mark.parametrize(
+    ("page", "smaller"),
+    [
+        ("python.md", {"N = 4096": "N = 8"}),
+        ("environments.md", {"num_envs=4096": "num_envs=2", "num_episodes=100": "num_episodes=2"}),
+    ],
+)
+def test_blocks_of_a_page_run_as_one_program(page, smaller, monkeypatch, tmp_path):
+    text = (ROOT / "docs" / page).read_text()
+    monkeypatch.chdir(tmp_path)
+    program = "\n".join(re.findall(r"```python\n(.*?)```", text, re.DOTALL))
+    for printed, small in smaller.items():
+        assert printed in program
+        program = program.replace(printed, small)
+    names: dict = {}
+    exec(compile(program, page, "exec"), names)
+    for sensor in (value for value in names.values() if isinstance(value, taxelsim.Sensor)):
+        taxelsim.check_sensor(sensor)
+
+
+def test_folders_of_the_documents_are_ignored_by_git():
+    assert {"build/", "venv/"} <= set((ROOT / ".gitignore").read_text().split())
+
 
 # == No code of the current folder runs ==
 
