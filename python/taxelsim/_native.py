@@ -125,7 +125,7 @@ def _wrong_value(bound: Mapping[str, Any], parameters: Mapping[str, inspect.Para
     """Of arguments whose types fit: a sequence of another length than its default, a number out of range."""
     for name, value in bound.items():
         default = parameters[name].default
-        if isinstance(default, list) and default and len(value) != len(default):
+        if isinstance(default, list) and default and hasattr(value, "__len__") and len(value) != len(default):
             return f"{name}: {len(value)} values found, {len(default)} allowed"
         if isinstance(value, int) and not 0 <= value < 2**31:
             return f"{name}: {value} found, which is out of range"

@@ -811,6 +811,7 @@ def test_names_files_and_single_numbers_are_taken(device, sensor, tmp_path):
         (lambda t: t.Sphere(0.1, 0.2), "Sphere(): too many arguments without a name found, allowed are radius"),
         (lambda t: t.Skin(0.002), "Skin(): too many arguments without a name found, allowed are thickness, law, "),
         (lambda t: t.Box(size=(1, 2)), "Box(): size: 2 values found, 3 allowed"),
+        (lambda t: t.GridPatch(pitch=0.002, num_rows=2**40), "GridPatch(): num_rows: 1099511627776 found, which is out of range"),
         (lambda t: t.Skin(thicknes=0.002), "Skin(): unknown argument thicknes found, did you mean thickness?"),
         (lambda t: t.sensor.replace(skn=3), "Sensor(): unknown argument skn found, did you mean skin?"),
         (lambda t: t.sensor.replace(depth_sampling="aera"), "Sensor(): depth_sampling: str 'aera' found, area, point allowed"),
