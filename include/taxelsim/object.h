@@ -111,11 +111,11 @@ inline constexpr std::uintmax_t kMaxMeshFileBytes = std::uintmax_t{1} << 30;
 /// is simplified within max_depth_error. The result for a mesh of 20,000 triangles or more is kept in the user's cache directory
 /// ($XDG_CACHE_HOME/taxelsim, else ~/.cache/taxelsim). The same file and options give the same mesh. Throws Error(kInput) if the file is
 /// missing, too large, not a mesh, without a triangle or not finite, and if an option is out of range. Logs a warning for a mesh longer
-/// than 0.5 m, which is probably in millimetres, or shorter than 0.1 mm, which was probably scaled twice.
+/// than 0.7 m, which is probably in millimetres, or shorter than 0.1 mm, which was probably scaled twice.
 Mesh loadMesh(const std::filesystem::path& file, const MeshOptions& options = {});
 
 /// Parses the command line's notation of an object: a mesh file, or sphere:R, cylinder:R,L, capsule:R,L, box:X,Y,Z, half_space, cone:R,H,
-/// torus:MAJOR,MINOR, in metres. `options`: of a mesh file. Throws Error(kInput). Logs a warning for an object longer than 0.5 m
+/// torus:MAJOR,MINOR, in metres. `options`: of a mesh file. Throws Error(kInput). Logs a warning for an object longer than 0.7 m
 /// or shorter than 0.1 mm, whose sizes are probably in another unit.
 Object parseObject(std::string_view text, const MeshOptions& options = {});
 

@@ -625,6 +625,13 @@ def test_a_load_out_of_reach_names_the_size_of_the_object(tmp_path, sensor, reas
     assert ": cube is 0.0027 x 0.0027 x 0.0027 mm; was it scaled twice?\n" in found.stderr
 
 
+def test_no_shipped_scene_is_asked_about(capfd, caplog):
+    for folder in (".", "tasks", "benchmark"):
+        for file in sorted((taxelsim.SCENES / folder).glob("*.yaml")):
+            taxelsim.load_scene(file)
+    assert " m long" not in capfd.readouterr().err + caplog.text
+
+
 def test_a_name_that_is_no_object_lists_the_formats():
     for name in ("cube.step", "ball:1"):
         with pytest.raises(taxelsim.InputError, match=r"\.obj, \.stl, \.ply, \.glb, \.gltf"):

@@ -8,7 +8,7 @@
 namespace taxelsim {
 
 // m. Hands hold what is shorter, and no sensor has a larger pitch: a longer object is probably in millimetres, or scaled to a length of 1.
-inline constexpr double kLongestPlausible = 0.5;
+inline constexpr double kLongestPlausible = 0.7;
 // m, a tenth of a small taxel. A shorter object was probably scaled twice.
 inline constexpr double kShortestPlausible = 1e-4;
 

@@ -11,7 +11,7 @@
 namespace taxelsim::fuzz {
 namespace {
 
-constexpr double kScale = 0.1;  // stored meshes are 0.01 to 2 units long; the loader logs a warning outside of 0.1 mm to 0.5 m
+constexpr double kScale = 0.1;  // stored meshes are 0.01 to 2 units long; the loader logs a warning outside of 0.1 mm to 0.7 m
 
 void readMesh(const std::string& extension, std::string_view input) {
   const auto file = inputFolder().write("mesh" + extension, input);

@@ -7,7 +7,7 @@ namespace {
 
 TEST(ImplausibleSize, IsNotThatOfAnObjectForAHand) {
   const auto question = [](const Bounds& bounds) { return implausibleSize(bounds, "mm?", "twice?"); };
-  EXPECT_EQ(question({{0, 0, 0}, {0.5, 0.5, 0.5}}), "");
+  EXPECT_EQ(question({{0, 0, 0}, {0.7, 0.7, 0.7}}), "");
   EXPECT_EQ(question({{0, 0, 0}, {0.01, 0.84, 0.01}}), "is 0.84 m long; mm?");
   EXPECT_EQ(question({{-0.1, -17.3, -0.1}, {0.1, 17.3, 0.1}}), "is 34.6 m long; mm?");
   EXPECT_EQ(question(boundsOf(Sphere{0.008})), "");
