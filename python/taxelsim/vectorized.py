@@ -30,6 +30,7 @@ class EnvArguments(TypedDict, total=False):
     reward: Reward | None
     max_lost_time: float
     render_mode: str | None
+    range: float | None
     device: Device | str
 
 

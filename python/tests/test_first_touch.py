@@ -44,8 +44,6 @@ from .viewer.conftest import Recorded
 
 ROOT = Path(__file__).resolve().parents[2]
 
-ROOT = Path(__file__).resolve().parents[2]
-
 # == Every shape pushes back wherever areas are sampled ==
 
 
