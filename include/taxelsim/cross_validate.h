@@ -36,14 +36,16 @@ struct Predictor {
 struct CrossValidation {
   std::string left_out;               ///< What each fit has not seen, such as "loads".
   std::vector<Predictor> predictors;  ///< The fitted sensor first, then the baselines.
+  std::string remark{};               ///< One line: what could not be left out, and why. Empty if everything was.
   double longest_fit = 0;             ///< s of processor time of the process, during one characterize().
 };
 
 /// Fits the sensor without a part of the measurements, predicts that part, and repeats this for each part.
 ///
-/// Stamps: all stamps of one load are left out together, and the rest needs another load. The reference in double precision simulates the
-/// prediction. A stamp stands where the training stamps of its fixture stand, or without a fixture at the mean pose of all training stamps:
-/// the scored image has no part in it. If the gains of the training presses depend on the load (Characterization::bench_gains), the sensor
+/// Stamps: all stamps of one load are left out together. The reference in double precision simulates the prediction. A stamp stands where
+/// other loads were pressed at its place, else at its measured position; without both it is not predicted (CrossValidation::remark). The
+/// scored image has no part in the prediction. One place: one fixture, or without fixtures fitted positions that agree within a tenth of
+/// the pitch. If the gains of the training presses depend on the load (Characterization::bench_gains), the sensor
 /// times the expected gain is scored as well, and so is the sensor with one gain and one trigger for all taxels. Baselines: an image of
 /// zeros; the footprint under a Gaussian with one gain; the same with a trigger and a ridge-regularised gain per taxel; a straight line in
 /// the load per taxel. Limits: another recorded press of the same load; and what a prediction that is exactly the mean of all presses of
@@ -53,7 +55,7 @@ struct CrossValidation {
 /// Force curves: each measurement is cut into cycles of the force, and odd cycles predict even ones and vice versa; with fewer than four
 /// cycles, its halves. Baselines: zeros; a straight line in the force per taxel; the median reading of the other half at the same force.
 ///
-/// Other kinds of measurement are in every fit. Throws Error(kInput) as characterize(), and if no measurement can be left out.
+/// Other kinds of measurement are in every fit. Throws Error(kInput) as characterize(), and without measurements of these two kinds.
 std::vector<CrossValidation> crossValidate(std::span<const Measurement> measurements);
 
 /// The same for the recordings of an experiment, which must not be missing. Separate recordings are validated one by one, and their scores

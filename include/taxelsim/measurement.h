@@ -93,6 +93,9 @@ struct StampImages {
   double load = 0;        ///< N, weight.
   Images images;          ///< Images over time.
   std::string fixture{};  ///< Stamps of one fixture have the same pose; empty: each stamp has its own.
+  /// m, x and y of the stamp's middle in S, measured by hand. The fit does not use it; crossValidate() needs it where no other load was
+  /// pressed at the same place.
+  std::optional<std::array<double, 2>> position{};
 };
 
 /// (f) Images at rest under a pressure that is the same on the whole array, as under an air cushion.

@@ -344,6 +344,17 @@ def test_noise_is_no_bright_picture() -> None:
 
 # == Cross-validation compares what can be compared ==
 
+
+def test_cross_validation_of_the_shipped_measurements_says_what_it_cannot_compare(tmp_path: Path) -> None:
+    files = sorted((ROOT / "scenes/measurements").glob("*.yaml"))
+    command = [PROGRAM, "characterize", *files, "-o", tmp_path / "sensor.yaml", "--cross-validate"]
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, check=True)
+    stamps, cycles, *_ = done.stdout.splitlines()
+    assert stamps.startswith("left-out loads: this set cannot be cross-validated by stamps: no two loads were pressed at one place")
+    assert cycles.startswith("left-out cycles or halves: the fitted sensor predicts better than every baseline")
+    assert done.stdout.count("M4, %") == 2  # the tables of the force curves: the medians, and each measurement
+
+
 # == evaluate() takes the name of one controller ==
 
 
@@ -395,6 +406,17 @@ def test_copies_of_a_model_may_have_other_masses_unless_the_skin_pushes(device):
 
 
 # == The benchmark page shows a policy that was trained to its end ==
+
+
+@pytest.mark.parametrize("file", sorted((ROOT / "bench/results").glob("learn-*.json")), ids=lambda file: file.stem)
+def test_ppo_of_the_page_is_trained_as_long_as_the_example_and_no_longer_improves(file: Path) -> None:
+    found = json.loads(file.read_text())
+    example = (ROOT / "examples/train_ppo.py").read_text()
+    assert f'"{found["recipe"]["num_steps"]}"' in example, "the default of NUM_STEPS"
+    success = [point["success"] for point in found["curves"]["ppo"]["points"]]
+    quarter = len(success) // 4
+    assert np.mean(success[-quarter:]) - np.mean(success[-2 * quarter : -quarter]) < 0.05
+
 
 # == Runs that touch nothing say so ==
 

@@ -46,6 +46,7 @@ std::vector<CrossValidation> crossValidate(const CharacterizationExperiment& exp
         joined.push_back(one);
         continue;
       }
+      if (!one.remark.empty()) same->remark += (same->remark.empty() ? "" : "; ") + one.remark;
       same->longest_fit = std::max(same->longest_fit, one.longest_fit);
       for (std::size_t p = 0; p < one.predictors.size(); ++p) {
         std::vector<PredictionScore>& scores = same->predictors[p].scores;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 namespace taxelsim {
@@ -42,22 +43,25 @@ std::vector<double> sharesOf(const Sensor& sensor, const Indenter& indenter, con
   return shares;
 }
 
-std::array<double, 2> centreOf(const Sensor& sensor, const std::vector<RecordedPress>& presses) {
+// Mean centroid of the presses at the place of `wanted`, else its measured position; none if both are missing.
+std::optional<std::array<double, 2>> centreOf(const Sensor& sensor, const std::vector<RecordedPress>& presses,
+                                              const RecordedPress& wanted) {
   const std::vector<Vector3> positions = taxelPositions(sensor);
   std::array<double, 2> centre{0, 0};
+  double count = 0;
   for (const RecordedPress& press : presses) {
+    if (press.place != wanted.place) continue;
     double x = 0, y = 0, sum = 0;
     for (std::size_t t = 0; t < positions.size(); ++t) {
       x += press.image[t] * positions[t][0], y += press.image[t] * positions[t][1], sum += press.image[t];
     }
-    centre[0] += x / sum / static_cast<double>(presses.size());
-    centre[1] += y / sum / static_cast<double>(presses.size());
+    centre[0] += x / sum, centre[1] += y / sum, ++count;
   }
-  return centre;
+  if (count == 0) return wanted.position;
+  return std::array<double, 2>{centre[0] / count, centre[1] / count};
 }
 
 struct Blur {
-  std::array<double, 2> centre{};
   double sigma = 0;  // m
   double slope = 0;  // counts per newton
 };
@@ -66,18 +70,20 @@ struct Blur {
 Blur blurOf(const Sensor& sensor, const std::vector<RecordedPress>& presses) {
   Blur best;
   double least = 1e300;
-  const std::array<double, 2> centre = centreOf(sensor, presses);
+  std::vector<std::array<double, 2>> centres;
+  for (const RecordedPress& press : presses) centres.push_back(*centreOf(sensor, presses, press));
   for (double sigma = 0.2; sigma <= 1.5; sigma *= 1.07) {
     double product = 0, power = 0, squares = 0;
-    for (const RecordedPress& press : presses) {
-      const std::vector<double> shares = sharesOf(sensor, *press.indenter, centre, sigma * sensor.patches[0].pitch[0]);
+    for (std::size_t p = 0; p < presses.size(); ++p) {
+      const RecordedPress& press = presses[p];
+      const std::vector<double> shares = sharesOf(sensor, *press.indenter, centres[p], sigma * sensor.patches[0].pitch[0]);
       for (std::size_t t = 0; t < shares.size(); ++t) {
         const double force = press.load * shares[t];
         product += force * press.image[t], power += force * force, squares += press.image[t] * press.image[t];
       }
     }
     const double misfit = squares - product * product / power;
-    if (misfit < least) least = misfit, best = {centre, sigma * sensor.patches[0].pitch[0], product / power};
+    if (misfit < least) least = misfit, best = {sigma * sensor.patches[0].pitch[0], product / power};
   }
   return best;
 }
@@ -90,10 +96,12 @@ struct GainFit {
 // Forces (N) on the taxels of each press.
 using PressForces = std::vector<std::vector<double>>;
 
-PressForces forcesOf(const Sensor& sensor, const std::vector<RecordedPress>& presses, const Blur& blur) {
+// `training` gives the places of the presses.
+PressForces forcesOf(const Sensor& sensor, const std::vector<RecordedPress>& training, const std::vector<RecordedPress>& presses,
+                     const Blur& blur) {
   PressForces forces;
   for (const RecordedPress& press : presses) {
-    forces.push_back(sharesOf(sensor, *press.indenter, blur.centre, blur.sigma));
+    forces.push_back(sharesOf(sensor, *press.indenter, *centreOf(sensor, training, press), blur.sigma));
     for (double& force : forces.back()) force *= press.load;
   }
   return forces;
@@ -152,9 +160,10 @@ double errorOfLoadsLeftOut(double ridge, const Sensor& sensor, const std::vector
   for (const double load : loads) {
     std::vector<RecordedPress> seen, scored;
     for (const RecordedPress& press : presses) (press.load == load ? scored : seen).push_back(press);
-    if (seen.empty()) continue;
+    std::erase_if(scored, [&](const RecordedPress& press) { return !centreOf(sensor, seen, press); });
+    if (scored.empty()) continue;
     const Blur blur = blurOf(sensor, seen);
-    squares += squaresOf(fitGains(ridge, seen, forcesOf(sensor, seen, blur)), scored, forcesOf(sensor, scored, blur));
+    squares += squaresOf(fitGains(ridge, seen, forcesOf(sensor, seen, seen, blur)), scored, forcesOf(sensor, seen, scored, blur));
   }
   return squares;
 }
@@ -163,8 +172,8 @@ double errorOfLoadsLeftOut(double ridge, const Sensor& sensor, const std::vector
 
 std::vector<double> blurredFootprint(const Sensor& sensor, const std::vector<RecordedPress>& training, const RecordedPress& wanted) {
   const Blur blur = blurOf(sensor, training);
-  std::vector<double> counts = sharesOf(sensor, *wanted.indenter, blur.centre, blur.sigma);
-  for (double& value : counts) value *= wanted.load * blur.slope;
+  std::vector<double> counts = forcesOf(sensor, training, {wanted}, blur).front();
+  for (double& value : counts) value *= blur.slope;
   return counts;
 }
 
@@ -176,22 +185,25 @@ std::vector<double> blurredFootprintWithGains(const Sensor& sensor, const std::v
     if (error < least) least = error, best = ridge;
   }
   const Blur blur = blurOf(sensor, training);
-  const GainFit fit = fitGains(best, training, forcesOf(sensor, training, blur));
-  std::vector<double> counts = forcesOf(sensor, {wanted}, blur).front();
+  const GainFit fit = fitGains(best, training, forcesOf(sensor, training, training, blur));
+  std::vector<double> counts = forcesOf(sensor, training, {wanted}, blur).front();
   for (std::size_t t = 0; t < counts.size(); ++t) counts[t] = countsOf(fit, t, counts[t]);
   return counts;
 }
 
 std::vector<double> linePerTaxel(const std::vector<RecordedPress>& training, const RecordedPress& wanted) {
-  const auto count = static_cast<double>(training.size());
+  std::vector<RecordedPress> there;
+  std::copy_if(training.begin(), training.end(), std::back_inserter(there),
+               [&](const RecordedPress& press) { return press.place == wanted.place; });
+  const auto count = static_cast<double>(there.size());
   double mean_load = 0, spread = 0;
-  for (const RecordedPress& press : training) mean_load += press.load / count;
-  for (const RecordedPress& press : training) spread += std::pow(press.load - mean_load, 2);
+  for (const RecordedPress& press : there) mean_load += press.load / count;
+  for (const RecordedPress& press : there) spread += std::pow(press.load - mean_load, 2);
   std::vector<double> counts;
-  for (std::size_t t = 0; t < training.front().image.size(); ++t) {
+  for (std::size_t t = 0; t < there.front().image.size(); ++t) {
     double mean = 0, product = 0;
-    for (const RecordedPress& press : training) mean += press.image[t] / count;
-    for (const RecordedPress& press : training) product += (press.load - mean_load) * press.image[t];
+    for (const RecordedPress& press : there) mean += press.image[t] / count;
+    for (const RecordedPress& press : there) product += (press.load - mean_load) * press.image[t];
     const double slope = spread > 0 ? product / spread : 0;
     counts.push_back(std::max(0.0, mean + slope * (wanted.load - mean_load)));
   }

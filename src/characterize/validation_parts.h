@@ -8,7 +8,7 @@
 
 namespace taxelsim {
 
-// Each load is left out in turn. Throws Error(kInput) if all stamps have one load.
+// Each load is left out in turn.
 CrossValidation validateStamps(const std::vector<Measurement>& stamps, const std::vector<Measurement>& others);
 
 // Each measurement is cut into two parts, which predict each other.

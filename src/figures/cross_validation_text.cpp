@@ -33,6 +33,10 @@ std::vector<LoadClass> classesOf(const CrossValidation& result, double light_bel
   return classes;
 }
 
+bool hasScores(const CrossValidation& result) {
+  return !result.predictors.front().scores.empty();
+}
+
 struct Metric {
   const char* name;
   double PredictionScore::*value;
@@ -84,6 +88,7 @@ std::string scoresTable(const CrossValidation& result) {
 }  // namespace
 
 std::string verdictText(const CrossValidation& result, double light_below) {
+  if (!hasScores(result)) return fmt::format("left-out {}: {}", result.left_out, result.remark);
   std::string worse, better;
   for (const LoadClass& loads : classesOf(result, light_below)) {
     for (const Metric& metric : kJudged) {
@@ -101,8 +106,12 @@ std::string verdictText(const CrossValidation& result, double light_below) {
 
 std::string crossValidationText(std::span<const CrossValidation> results, double light_below) {
   std::string text;
-  for (const CrossValidation& result : results) text += verdictText(result, light_below) + "\n";
   for (const CrossValidation& result : results) {
+    text += verdictText(result, light_below) + "\n";
+    if (hasScores(result) && !result.remark.empty()) text += fmt::format("left-out {}: {}\n", result.left_out, result.remark);
+  }
+  for (const CrossValidation& result : results) {
+    if (!hasScores(result)) continue;
     std::vector<LoadClass> classes = classesOf(result, light_below);
     if (classes.size() > 1) classes.push_back({.name = " over all loads"});
     for (const LoadClass& loads : classes) text += "\n" + mediansTable(result, loads);
@@ -115,8 +124,10 @@ std::string crossValidationText(std::span<const CrossValidation> results, double
 nlohmann::ordered_json crossValidationJson(std::span<const CrossValidation> results, double light_below) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const CrossValidation& result : results) {
-    nlohmann::ordered_json entry{
-        {"left_out", result.left_out}, {"verdict", verdictText(result, light_below)}, {"longest_fit", result.longest_fit}};
+    nlohmann::ordered_json entry{{"left_out", result.left_out},
+                                 {"verdict", verdictText(result, light_below)},
+                                 {"remark", result.remark},
+                                 {"longest_fit", result.longest_fit}};
     const auto scoreJson = [](const PredictionScore& score) {
       return nlohmann::ordered_json{{"M1_median_difference", score.median_difference},
                                     {"M4_relative_l1", score.relative_l1},

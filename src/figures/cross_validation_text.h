@@ -10,10 +10,10 @@
 namespace taxelsim::figures {
 
 // One line: whether a baseline predicts better than the fitted sensor, in M4 or in the sum, below or from `light_below` (N) up; 0: all
-// loads together.
+// loads together. The remark if nothing was predicted.
 std::string verdictText(const CrossValidation& result, double light_below);
 
-// The verdicts first, then a table of medians and one of M4 by load.
+// The verdicts and remarks first, then a table of medians and one of M4 by load.
 std::string crossValidationText(std::span<const CrossValidation> results, double light_below);
 
 nlohmann::ordered_json crossValidationJson(std::span<const CrossValidation> results, double light_below);

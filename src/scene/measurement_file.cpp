@@ -213,6 +213,11 @@ StampImages readStampImages(const Source& source) {
     source.map.require("indenter", "").fail("stamp_images need a flat indenter: stamp or flat_pin");
   }
   if (source.map.has("fixture")) stamp.fixture = source.map.text("fixture", "a name");
+  if (source.map.has("position")) {
+    double reach = 0;  // of the array, from the origin of S
+    for (const Vector3& taxel : taxelPositions(source.sensor)) reach = std::max({reach, std::abs(taxel[0]), std::abs(taxel[1])});
+    stamp.position = source.map.numbers<2>("position", Allowed::within(-reach, reach, "m"));
+  }
   if (stamp.images.time.empty()) source.table.fail("missing column of the time: time_s, time_ms or t_s");
   return stamp;
 }
@@ -237,7 +242,7 @@ const std::vector<Kind>& kinds() {
       {"uniform_press", {"taxel_columns"}, [](const Source& s) -> decltype(Measurement::data) { return readUniformPress(s); }},
       {"step_response", {"load"}, [](const Source& s) -> decltype(Measurement::data) { return readStepResponse(s); }},
       {"stamp_images",
-       {"indenter", "load", "taxel_columns", "fixture", "temperature_degC"},
+       {"indenter", "load", "taxel_columns", "fixture", "position[_mm]", "temperature_degC"},
        [](const Source& s) -> decltype(Measurement::data) { return readStampImages(s); }},
       {"images", {"taxel_columns"}, [](const Source& s) -> decltype(Measurement::data) { return ImageSequence{readImages(s)}; }},
   };

@@ -203,12 +203,13 @@ TEST(Characterize, RejectsBadInputWithoutWriting) {
 
 TEST(Characterize, CrossValidationPrintsItsVerdictFirst) {
   const TemporaryDirectory directory;
-  std::vector<std::string> arguments = characterized({"stamp_3N", "stamp_6N"}, directory / "s.yaml");
+  std::vector<std::string> arguments = characterized({"force_curve", "stamp_3N", "stamp_6N"}, directory / "s.yaml");
   arguments.insert(arguments.end(), {"--cross-validate", "--report", directory / "r.html"});
   const Outcome outcome = runTaxelsim(arguments);
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, ::testing::StartsWith("left-out loads: "));
-  EXPECT_THAT(outcome.out, HasSubstr("line in the load per taxel"));
+  EXPECT_THAT(outcome.out, ::testing::StartsWith("left-out loads: this set cannot be cross-validated by stamps: "));
+  EXPECT_THAT(outcome.out, HasSubstr("\nleft-out cycles or halves: the fitted sensor predicts better than every baseline"));
+  EXPECT_THAT(outcome.out, HasSubstr("line in the force per taxel"));
   std::ifstream report(directory / "r.html");
   const std::string page{std::istreambuf_iterator<char>(report), {}};
   EXPECT_LT(page.find("left-out loads: "), page.find("<h2>Parameters"));

@@ -90,6 +90,10 @@ TEST(MeasurementFile, ReadsColumnsByNameAndTheFixture) {
   EXPECT_THAT(stamp.images.counts, ElementsAre(8, 7));
   EXPECT_THAT(stamp.images.time, ElementsAre(0));
   EXPECT_EQ(stamp.fixture, "holder");
+  EXPECT_FALSE(stamp.position.has_value());
+  const Measurement placed = Bench(keys + "taxel_columns: [b, a]\nposition_mm: [0, 0.5]\n", table).load();
+  EXPECT_THAT(std::get<StampImages>(placed.data).position.value(), ElementsAre(0, 0.0005));
+  EXPECT_THAT(Bench(keys + "taxel_columns: [b, a]\nposition: [0, 0.5]\n", table).refused(), HasSubstr("0.5 is not allowed")) << "in mm";
   EXPECT_THAT(Bench(keys + "taxel_columns: [b]\n", table).refused(), HasSubstr("1 names found, the sensor has 2 taxels"));
   EXPECT_THAT(Bench(keys + "taxel_columns: [b, c]\n", table).refused(), HasSubstr("missing column"));
   EXPECT_THAT(Bench("measurement: force_curve\nfixture: holder\n", "taxel,force_N,counts\n0,1,2\n").refused(),
