@@ -63,10 +63,9 @@ struct Laws {
   }
   void add(const std::type_identity<LuGre>&) { rows.push_back({.law = LuGre{.normal_contact_stiffness = kStiffness}}); }
   void add(const std::type_identity<Pasternak>&) {
-    rows.push_back({.law = Pasternak{.normal_contact_stiffness = kStiffness,
-                                     .shear_stiffness = kStiffness * kDecay * kDecay,
-                                     .iterations = kMaxLayerIterations},
-                    .is_linear = false});
+    rows.push_back(
+        {.law = Pasternak{.normal_contact_stiffness = kStiffness, .shear_stiffness = kStiffness * kDecay * kDecay, .iterations = 100},
+         .is_linear = false});
   }
 };
 
@@ -83,8 +82,9 @@ Sensor sensorOf(const Law& law, DepthSampling sampling, Surface surface) {
   Sensor sensor = surface == Surface::kFlat ? support::gridSensor({.num_rows = 4, .num_cols = 4, .pitch_x = 4e-3, .pitch_y = 4e-3})
                                             : support::sphereFingertip(10e-3, 2, 1.0);
   sensor.depth_sampling = sampling;
-  // As few as the reference takes little time for: it integrates over the cells of areas, and solves for all nodes of a layer.
-  sensor.samples_per_taxel = sampling == DepthSampling::kArea ? 2 : std::holds_alternative<ElasticLayer>(law.law) ? 3 : 6;
+  // As few as the reference takes little time for: it integrates over the cells of areas, and solves for all nodes of coupled laws.
+  const bool is_coupled = std::holds_alternative<ElasticLayer>(law.law) || std::holds_alternative<Pasternak>(law.law);
+  sensor.samples_per_taxel = sampling == DepthSampling::kArea ? 2 : is_coupled ? 3 : 6;
   sensor.skin.law = law.law;
   sensor.skin.thickness = kThickness;
   return sensor;
