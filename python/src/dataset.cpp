@@ -1,4 +1,5 @@
-// The reader of data sets, for taxelsim.Dataset: it reads manifest and view, checks shards, reads rows in child processes, and scales pictures.
+// The reader of data sets, for taxelsim.Dataset: it reads manifest and view, checks shards, reads rows in child processes, and scales
+// pictures.
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/string.h>
