@@ -260,7 +260,7 @@ class Simulator:
             self._newtons.update()
         if self._first is not None and self._first.read(self._frame):
             self._first = None
-        if self._warns_of_loads and not self._frame.ground_truth.load_reached.all():
+        if self._warns_of_loads and self._first is None and not self._frame.ground_truth.load_reached.all():
             self._warns_of_loads = False
             self._warn_of_loads(self._frame.ground_truth.load_reached)
         return self._frame
