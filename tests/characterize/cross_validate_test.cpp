@@ -102,21 +102,21 @@ std::vector<std::string> namesOf(const Predictor& predictor) {
 TEST(CrossValidate, APressIsPredictedWhereItsPlaceIsKnown) {
   const Sensor truth = bentSensor();
   std::vector<StampImages> stamps = loads(truth);
-  stamps.resize(6);
+  stamps = std::vector<StampImages>(stamps.begin() + 2, stamps.begin() + 8);  // 3, 4.5 and 6 N: 1.5 N lights too few taxels for a place
   for (StampImages& stamp : stamps) stamp.fixture.clear();
   stamps.push_back(recorded(truth, {.load = 5, .x = -2e-3, .y = -5e-3, .seed = 95}));
   stamps.push_back(recorded(truth, {.load = 4, .x = -1e-3, .y = 5e-3, .seed = 96}));
   stamps.back().position = {-1e-3, 5e-3};
   const CrossValidation result = crossValidate(measured(truth, stamps)).front();
-  EXPECT_THAT(namesOf(result.predictors[0]), ::testing::ElementsAre("stamp0", "stamp1", "stamp2", "stamp3", "stamp7", "stamp4", "stamp5"));
+  EXPECT_THAT(namesOf(result.predictors[0]), ::testing::ElementsAre("stamp0", "stamp1", "stamp7", "stamp2", "stamp3", "stamp4", "stamp5"));
   EXPECT_EQ(result.remark, "not predicted, because neither another load nor a measured position gives their place: stamp6");
-  // Sensor and blurred footprints. 0.3 mm: 3 % of the side of the stamp.
+  // Sensor and blurred footprints. The places are 5 mm apart.
   for (const std::size_t predictor : {0, 2, 3}) {
     for (const PredictionScore& score : result.predictors[predictor].scores) {
-      EXPECT_LT(score.center_distance, 0.3e-3) << result.predictors[predictor].name << ", " << score.measurement;
+      EXPECT_LT(score.center_distance, 0.6e-3) << result.predictors[predictor].name << ", " << score.measurement;
     }
   }
-  EXPECT_TRUE(std::isnan(result.predictors[4].scores[4].relative_l1)) << "a line needs another press at the place";
+  EXPECT_TRUE(std::isnan(result.predictors[4].scores[2].relative_l1)) << "a line needs another press at the place";
   EXPECT_THAT(figures::crossValidationText(std::vector{result}, 0), HasSubstr("\nleft-out loads: not predicted, because"));
 }
 
