@@ -121,7 +121,7 @@ def trained_parts(trained: Mapping[str, Any], scripted: Mapping[str, Scripted], 
         *([REPEATED, repeated] if (repeated := repeated_rates(trained)) else []),
         f"Paired differences of the trainings with seed {TRAINING_SEED}, in points of %; bold where the interval excludes 0:",
         trained_differences(evaluations, scripted),
-        table(["task", "policy", "environment steps", "minutes of training; of processor time"], rows),
+        table(["task", "policy", "environment steps", "minutes of processor time"], rows),
         "Settings:",
         recipes(trained),
         " ".join(

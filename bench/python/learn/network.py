@@ -1,4 +1,4 @@
-"""The network of all policies, and its ONNX file."""
+"""The networks of the clone and of PPO, and their ONNX files."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from torch import nn
 
 from taxelsim.policies import FEATURES, Policy
 
-from .recipe import HISTORY, OBSERVATIONS, TACTILE
+from .recipe import HISTORY, OBSERVATIONS, PPO_OBSERVATIONS, TACTILE
 
 # Factors on normalised observations, so that inputs are of the order of 1.
 FEATURE_FACTORS = {"total_force": 0.5, "peak_force": 5.0, "edge_confidence": 2.0, "contact_area": 0.25}
@@ -42,21 +42,34 @@ def _frames(name: str) -> Sequence[int]:
     return {"features": range(HISTORY), "proprioception": (0, HISTORY - 1)}.get(name, (HISTORY - 1,))
 
 
+class PpoInputs(nn.Module):
+    """Observations (N, HISTORY x all values), joined in the order of PPO_OBSERVATIONS, as they are; blind: the tactile ones are 0."""
+
+    def __init__(self, sizes: Mapping[str, int], blind: bool = False) -> None:
+        super().__init__()
+        seen = [np.full(HISTORY * sizes[name], not (blind and name in TACTILE)) for name in PPO_OBSERVATIONS]
+        self.register_buffer("seen", torch.as_tensor(np.concatenate(seen), dtype=torch.float32))
+        self.num_observed = self.num_inputs = len(self.seen)
+
+    def forward(self, observation: torch.Tensor) -> torch.Tensor:
+        return observation * self.seen
+
+
 class Inputs(nn.Module):
     """Observations (N, HISTORY x all values), joined in the order of OBSERVATIONS, to inputs (N, num_inputs) of the order of 1.
 
     Forces of the image and of the features are divided by the measured force of the start, so that a gain that all taxels share cancels.
-    sizes: values of one frame, by name. blind: the tactile inputs are 0.
+    sizes: values of one frame, by name.
     """
 
-    def __init__(self, sizes: Mapping[str, int], blind: bool = False) -> None:
+    def __init__(self, sizes: Mapping[str, int]) -> None:
         super().__init__()
         columns, factors, relative, first = [], [], [], 0
         for name in OBSERVATIONS:
             size = sizes[name]
             for frame in _frames(name):
                 columns.append(first + frame * size + np.arange(size))
-                factors.append(_factors(name, size) * (0.0 if blind and name in TACTILE else 1.0))
+                factors.append(_factors(name, size))
                 forces = np.arange(size) < NUM_FORCES if name == "features" else np.full(size, name == "tactile_image")
                 relative.append(forces)
             if name == "start_contact":
@@ -74,9 +87,9 @@ class Inputs(nn.Module):
         return torch.clamp(chosen * self.factors * scale, -LIMIT, LIMIT)
 
 
-def joined(observation: Mapping[str, torch.Tensor]) -> torch.Tensor:
+def joined(observation: Mapping[str, torch.Tensor], names: Sequence[str]) -> torch.Tensor:
     """Observations by name, (N, ...) each, as one tensor (N, values), as an ONNX policy with one input gets them."""
-    return torch.cat([observation[name].flatten(1) for name in OBSERVATIONS], dim=1)
+    return torch.cat([observation[name].flatten(1) for name in names], dim=1)
 
 
 def hidden_layers(num_inputs: int, widths: Sequence[int]) -> nn.Sequential:
@@ -90,7 +103,7 @@ def hidden_layers(num_inputs: int, widths: Sequence[int]) -> nn.Sequential:
 class Actor(nn.Module):
     """Observations to actions. `inputs`, `hidden` and `action` may come from a policy of Stable-Baselines3."""
 
-    def __init__(self, inputs: Inputs, hidden: nn.Module, action: nn.Module) -> None:
+    def __init__(self, inputs: Inputs | PpoInputs, hidden: nn.Module, action: nn.Module) -> None:
         super().__init__()
         self.inputs, self.hidden, self.action = inputs, hidden, action
 
@@ -109,7 +122,7 @@ def as_policy(actor: Actor, name: str, settings: Mapping[str, Any]) -> Policy:
     def act(observation: Mapping[str, np.ndarray]) -> np.ndarray:
         with torch.no_grad():
             tensors = {key: torch.as_tensor(values, dtype=torch.float32) for key, values in observation.items()}
-            return actor(joined(tensors)).numpy()
+            return actor(joined(tensors, settings["observations"])).numpy()
 
     # Unchecked: the validation of a curve may differ in its last bits. The evaluation of the ONNX file is checked.
     return Policy(act, name=name, check_batch=False, **settings)

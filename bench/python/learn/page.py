@@ -109,12 +109,12 @@ def training(result: Mapping[str, Any]) -> str:
     ]
     for name, curve in result["curves"].items():
         rows.append([POLICIES[name], f"{curve['steps']:,} environment steps", minutes(curve)])
-    return table(["policy", "trained with", "minutes of training; of processor time"], rows)
+    return table(["policy", "trained with", "minutes of processor time"], rows)
 
 
 def minutes(times: Mapping[str, float]) -> str:
-    """Elapsed and processor time."""
-    return f"{times['training_seconds'] / 60:.1f}; {times['cpu_seconds'] / 60:.1f}"
+    """Processor time of a training."""
+    return f"{times['cpu_seconds'] / 60:.1f}"
 
 
 def section(task: str, result: Mapping[str, Any], notes: str) -> str:
@@ -160,8 +160,8 @@ def page(template: str, results: Mapping[str, Mapping[str, Any]], notes: Mapping
 
 def recipes(results: Mapping[str, Mapping[str, Any]]) -> str:
     """Settings of the trainings, tasks in columns."""
-    keys = list(next(iter(results.values()))["recipe"])
-    rows = [[f"`{key}`", *(setting_text(result["recipe"][key]) for result in results.values())] for key in keys]
+    keys = dict.fromkeys(key for result in results.values() for key in result["recipe"])
+    rows = [[f"`{key}`", *(setting_text(result["recipe"].get(key, "-")) for result in results.values())] for key in keys]
     return table(["setting", *results], rows)
 
 
@@ -171,4 +171,4 @@ def setting_text(value: Any) -> str:
         return ", ".join(f"{key} {setting_text(item)}" for key, item in value.items())
     if isinstance(value, list | tuple):
         return " ".join(setting_text(item) for item in value)
-    return f"{value:,}" if isinstance(value, int) else f"{value:g}"
+    return value if isinstance(value, str) else f"{value:,}" if isinstance(value, int) else f"{value:g}"

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any
 
 from taxelsim.tasks import TASKS
 
-OBSERVATIONS = ("features", "tactile_image", "start_contact", "proprioception")
+OBSERVATIONS = ("features", "tactile_image", "start_contact", "proprioception")  # of the clone
+PPO_OBSERVATIONS = ("features", "start_contact", "proprioception")  # as in examples/train_ppo.py
 TACTILE = ("features", "tactile_image", "start_contact")  # what a blind policy does not see
 HISTORY = 4  # frames, 10 ms apart
 
@@ -52,7 +54,7 @@ class PpoSettings:
 
 @dataclass(frozen=True, kw_only=True)
 class Recipe(PpoSettings):
-    """Settings of one task. Scales: m/s and rad/s at action 1."""
+    """Settings of one task. PPO is that of examples/train_ppo.py. Scales: m/s and rad/s at action 1, of the clone."""
 
     linear_scale: float
     angular_scale: float = 1.0
@@ -62,17 +64,15 @@ class Recipe(PpoSettings):
     cloning_rate: float = 2e-3  #: Learning rate, falls to 0 by a cosine.
     cloning_batch: int = 2048
     # PPO.
-    num_steps: int = 500_000
+    num_steps: int = 2_000_000
     rollout: int = 16
     batch: int = 512
     gamma: float = 0.95
     gae_lambda: float = 0.9
-    entropy: float = 0.0
-    planar_deviation: float = 0.3  #: Initial standard deviation of actions ...
-    normal_deviation: float = 0.03  #: ... and that of v_z, which presses.
+    deviation: float = math.exp(-2)  #: Initial standard deviation of actions.
     reward_widths: tuple[float, ...] = (1.0, 4.0, 16.0)  #: `widths` of taxelsim.envs.Reward.
     # Learning curves.
-    validation_interval: int = 50_000  #: Environment steps.
+    validation_interval: int = 100_000  #: Environment steps.
     num_validations: int = 100  #: Episodes.
 
 
@@ -87,7 +87,7 @@ class DynamicRecipe(PpoSettings):
     deviation: float = 0.4  #: Initial standard deviation of actions.
 
 
-_FOLLOW = Recipe(linear_scale=0.03, num_demonstrations=4000, num_steps=600_000)
+_FOLLOW = Recipe(linear_scale=0.03, num_demonstrations=4000)
 
 RECIPES = {
     "EdgeFollow": _FOLLOW,
@@ -111,13 +111,12 @@ def recipe_of(task: str, **changes: Any) -> Recipe:
     return replace(RECIPES[task], **changes)
 
 
-def policy_settings(task: str, recipe: Recipe) -> dict[str, Any]:
-    """Arguments that TactileVectorEnv and taxelsim.policies.Policy share."""
-    return {
-        "observations": OBSERVATIONS,
-        "actions": TASKS[task].actions,
-        "history": HISTORY,
-        "normalized": True,
-        "linear_scale": recipe.linear_scale,
-        "angular_scale": recipe.angular_scale,
-    }
+def ppo_settings(task: str) -> dict[str, Any]:
+    """Arguments that TactileVectorEnv and taxelsim.policies.Policy share. Action 1 is the limit of the scene's servo."""
+    return {"observations": PPO_OBSERVATIONS, "actions": TASKS[task].actions, "history": HISTORY, "normalized": True}
+
+
+def clone_settings(task: str, recipe: Recipe) -> dict[str, Any]:
+    """The same for the clone."""
+    scales = {"linear_scale": recipe.linear_scale, "angular_scale": recipe.angular_scale}
+    return {**ppo_settings(task), "observations": OBSERVATIONS, **scales}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import time
 from pathlib import Path
 from typing import Any
@@ -20,8 +21,8 @@ from taxelsim.envs import Reward
 from taxelsim.envs.sb3 import StableBaselinesVecEnv
 from taxelsim.tasks import TASKS
 
-from .network import Actor, Inputs, as_policy, joined, write_onnx
-from .recipe import HISTORY, NUM_THREADS, TRAINING_CONDITION, TRAINING_SEED, VALIDATION_SEED, Recipe, policy_settings
+from .network import Actor, PpoInputs, as_policy, joined, write_onnx
+from .recipe import HISTORY, NUM_THREADS, PPO_OBSERVATIONS, TRAINING_CONDITION, TRAINING_SEED, VALIDATION_SEED, Recipe, ppo_settings
 
 
 class Extractor(BaseFeaturesExtractor):
@@ -29,12 +30,12 @@ class Extractor(BaseFeaturesExtractor):
 
     def __init__(self, space: spaces.Dict, blind: bool) -> None:
         sizes = {name: int(torch.Size(box.shape).numel()) // HISTORY for name, box in space.items()}
-        inputs = Inputs(sizes, blind)
+        inputs = PpoInputs(sizes, blind)
         super().__init__(space, inputs.num_inputs)
         self.inputs = inputs
 
     def forward(self, observation: dict[str, torch.Tensor]) -> torch.Tensor:
-        inputs: torch.Tensor = self.inputs(joined(observation))
+        inputs: torch.Tensor = self.inputs(joined(observation, PPO_OBSERVATIONS))
         return inputs
 
 
@@ -50,7 +51,7 @@ class Curve(BaseCallback):
     def __init__(self, task: str, name: str, recipe: Recipe) -> None:
         super().__init__()
         self.points: list[dict[str, float]] = []
-        self._settings, self._name, self._recipe = policy_settings(task, recipe), name, recipe
+        self._settings, self._name, self._recipe = ppo_settings(task), name, recipe
         self._scene = taxelsim.load_scene(
             taxelsim.SCENES / TASKS[task].scene,
             num_episodes=recipe.num_validations,
@@ -59,8 +60,6 @@ class Curve(BaseCallback):
         )
         self._device = taxelsim.Device.open()
         self._next = 0
-        self._started = time.monotonic()
-        self.validation_seconds = 0.0
 
     def _on_rollout_start(self) -> None:
         if self.num_timesteps >= self._next:
@@ -72,14 +71,11 @@ class Curve(BaseCallback):
 
     def validate(self) -> None:
         """Adds a point."""
-        begun = time.monotonic()
         assert isinstance(self.model, PPO)
         policy = as_policy(actor_of(self.model), self._name, self._settings)
         (evaluation,) = taxelsim.evaluate(self._scene, policy=policy, device=self._device)
-        self.validation_seconds += time.monotonic() - begun
         point = {
             "steps": self.num_timesteps,
-            "seconds": round(begun - self._started, 1),
             "success": evaluation.total.success_rate,
             "num_lost": evaluation.total.num_lost,
             "errors": [error.median for error in evaluation.total.steady_error],
@@ -91,7 +87,7 @@ class Curve(BaseCallback):
 def train(task: str, name: str, recipe: Recipe, folder: Path, blind: bool) -> None:
     """Trains a policy; writes NAME.onnx, and NAME.curve.json with the points of its learning curve."""
     torch.set_num_threads(NUM_THREADS)
-    settings = policy_settings(task, recipe)
+    settings = ppo_settings(task)
     scene = taxelsim.load_scene(taxelsim.SCENES / TASKS[task].scene, seed=TRAINING_SEED, condition=TRAINING_CONDITION)
     envs = gymnasium.make_vec(
         f"taxelsim/{task}-v0",
@@ -104,28 +100,24 @@ def train(task: str, name: str, recipe: Recipe, folder: Path, blind: bool) -> No
     model = PPO(
         "MultiInputPolicy",
         StableBaselinesVecEnv(envs),
-        ent_coef=recipe.entropy,
         policy_kwargs={
             "net_arch": recipe.layers,
             "activation_fn": nn.Tanh,
+            "log_std_init": math.log(recipe.deviation),
             "features_extractor_class": Extractor,
             "features_extractor_kwargs": {"blind": blind},
         },
         **recipe.arguments(),
     )
-    deviations = [recipe.normal_deviation if action == "v_z" else recipe.planar_deviation for action in TASKS[task].actions]
-    with torch.no_grad():
-        model.policy.log_std.copy_(torch.tensor(deviations).log())
     curve = Curve(task, name, recipe)
-    begun, begun_cpu = time.monotonic(), time.process_time()
+    begun = time.process_time()
     model.learn(recipe.num_steps, callback=curve)
-    seconds, cpu_seconds = time.monotonic() - begun - curve.validation_seconds, time.process_time() - begun_cpu
+    cpu_seconds = time.process_time() - begun
     curve.validate()
     write_onnx(actor_of(model), folder / f"{name}.onnx", settings)
     content = {
         "points": curve.points,
         "steps": model.num_timesteps,
-        "training_seconds": round(seconds, 1),  # without validation
         "cpu_seconds": round(cpu_seconds, 1),  # of all threads, with validation
     }
     (folder / f"{name}.curve.json").write_text(json.dumps(content, indent=1) + "\n")

@@ -29,42 +29,48 @@ def tensors(observation):
 
 
 def test_a_blind_network_sees_only_its_own_motion(observation):
-    from learn.network import Inputs, joined
+    from learn.network import PpoInputs, joined
+    from learn.recipe import PPO_OBSERVATIONS
 
-    inputs, blind = Inputs(SIZES), Inputs(SIZES, blind=True)
-    assert blind.num_inputs == inputs.num_inputs
-    seen = blind(joined(tensors(observation)))
-    for name in ("features", "tactile_image", "start_contact"):
+    def inputs(blind):
+        return PpoInputs(SIZES, blind=blind)(joined(tensors(observation), PPO_OBSERVATIONS))
+
+    assert torch.equal(inputs(blind=False), joined(tensors(observation), PPO_OBSERVATIONS))
+    seen = inputs(blind=True)
+    for name in ("features", "start_contact"):
         observation[name] = observation[name] + 1
-    assert torch.equal(blind(joined(tensors(observation))), seen)
+    assert torch.equal(inputs(blind=True), seen)
     observation["proprioception"] = observation["proprioception"] + 0.1
-    assert not torch.equal(blind(joined(tensors(observation))), seen)
+    assert not torch.equal(inputs(blind=True), seen)
 
 
 def test_a_gain_of_all_taxels_cancels_in_image_and_forces(observation):
     from learn.network import Inputs, joined
+    from learn.recipe import OBSERVATIONS
 
     inputs = Inputs(SIZES)
     observation["start_contact"][..., 5] = -2.0
     observation["features"][..., :2] = 0.3
     observation["tactile_image"] = np.abs(observation["tactile_image"]) * 0.01
-    before = inputs(joined(tensors(observation)))
+    before = inputs(joined(tensors(observation), OBSERVATIONS))
     for values in (observation["tactile_image"], observation["features"][..., :2], observation["start_contact"][..., 5]):
         values *= 1.3
-    changed = (inputs(joined(tensors(observation))) - before).abs() > 1e-5
+    changed = (inputs(joined(tensors(observation), OBSERVATIONS)) - before).abs() > 1e-5
     assert changed.any(0).sum() == 1  # the start force itself
 
 
-def test_an_onnx_file_acts_as_its_network(observation, tmp_path):
-    from learn.network import Inputs, as_policy, new_actor, write_onnx
-    from learn.recipe import policy_settings, recipe_of
+@pytest.mark.parametrize("kind", ["clone", "ppo"])
+def test_an_onnx_file_acts_as_its_network(observation, tmp_path, kind):
+    from learn.network import Inputs, PpoInputs, as_policy, new_actor, write_onnx
+    from learn.recipe import clone_settings, ppo_settings, recipe_of
 
     torch.manual_seed(1)
-    settings = policy_settings(TASK, recipe_of(TASK))
-    actor = new_actor(Inputs(SIZES), (16,), len(TASKS[TASK].actions))
+    settings = ppo_settings(TASK) if kind == "ppo" else clone_settings(TASK, recipe_of(TASK))
+    actor = new_actor(PpoInputs(SIZES) if kind == "ppo" else Inputs(SIZES), (16,), len(TASKS[TASK].actions))
     write_onnx(actor, tmp_path / "p.onnx", settings)
     policy = OnnxPolicy(tmp_path / "p.onnx")
     assert policy.settings == settings
+    observation = {name: observation[name] for name in settings["observations"]}
     found, expected = policy(observation), as_policy(actor, "p", settings).function(observation)
     assert found.shape == (5, 4)
     assert np.allclose(found, expected, atol=1e-6)
@@ -74,16 +80,16 @@ def test_an_onnx_file_acts_as_its_network(observation, tmp_path):
 def test_demonstrations_are_what_a_policy_observes(device, tmp_path):
     from learn.cloning import Demonstrations
     from learn.network import joined
-    from learn.recipe import HISTORY, policy_settings, recipe_of
+    from learn.recipe import HISTORY, OBSERVATIONS, clone_settings, recipe_of
 
     recipe, observed = recipe_of(TASK), []
 
     def still(observation):
-        observed.append(joined(tensors(observation)))
+        observed.append(joined(tensors(observation), OBSERVATIONS))
         return np.zeros((len(observed[-1]), len(TASKS[TASK].actions)))
 
     scene = taxelsim.load_scene(taxelsim.SCENES / TASKS[TASK].scene, num_episodes=2, condition="randomized")
-    policy = Policy(still, identity="still", check_batch=False, **policy_settings(TASK, recipe))
+    policy = Policy(still, identity="still", check_batch=False, **clone_settings(TASK, recipe))
     taxelsim.generate(scene, tmp_path / "data", policy=policy, device=device, batch_size=1, num_slices=1)
     data = taxelsim.Dataset(tmp_path / "data")
     demonstrations = Demonstrations(data, np.ones(2, bool), TASK, recipe, scene.sensor.readout.saturation)
