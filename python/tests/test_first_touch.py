@@ -1308,10 +1308,8 @@ def test_ctrl_c_prints_no_traceback(interruptible, tmp_path, command, moment):
         [*command, "view", FORMAT_1, "--web"], stderr=subprocess.PIPE, text=True, env=environment, start_new_session=True
     ) as process:
         assert process.stderr is not None
-        printed = ""
         if moment == "viewer":
-            while "Using overridden" not in printed:
-                printed = process.stderr.readline()
+            assert any("Using overridden" in line for line in iter(process.stderr.readline, ""))
         else:
             wait_for(process, moment)
         os.killpg(process.pid, signal.SIGINT)
