@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
+from collections.abc import Iterator
 
 from .errors import InputError
 
@@ -25,6 +27,20 @@ def warn_once(message: str) -> None:
     if message not in _warned:
         _warned.add(message)
         logger.warning("%s", message, stacklevel=2)
+
+
+@contextlib.contextmanager
+def silenced() -> Iterator[None]:
+    """Drops messages, of all threads: those about the scene of a data set were logged when it was generated."""
+
+    def drop(_: logging.LogRecord) -> bool:
+        return False
+
+    logger.addFilter(drop)
+    try:
+        yield
+    finally:
+        logger.removeFilter(drop)
 
 
 def set_log_level(level: str) -> None:

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from .._core import Mesh, Scene, load_scene
+from .._log import silenced
 from ..dataset.checksums import sha256_of
 from ..errors import InputError
 from ..program import SCENES
@@ -71,6 +72,7 @@ def scene_of(text: str, folders: Sequence[Path], origin: Path) -> tuple[Scene, s
 
         file = Path(root, "scene.yaml")
         file.write_text(_FILE.sub(collected, text), encoding="utf-8")
-        scene = load_scene(file, refuse_folders=True)
+        with silenced():
+            scene = load_scene(file, refuse_folders=True)
     meshes = [index for index, item in enumerate(scene.objects) if isinstance(item.shape, Mesh)]
     return scene, {index for index, found in zip(meshes, is_found, strict=True) if not found}
