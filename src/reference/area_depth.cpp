@@ -25,7 +25,7 @@ HeightAt heightOf(const Shape& shape, const Pose& X_PO, const Vector3& direction
           return {};
         } else {
           return [&solid, X_OP, direction_O = rotate(X_OP.rotation, direction_P)](double x, double y) {
-            return firstHit(solid, X_OP * Vector3{x, y, 0}, direction_O);
+            return surfaceOver(solid, X_OP * Vector3{x, y, 0}, direction_O);
           };
         }
       },

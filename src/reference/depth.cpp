@@ -67,7 +67,7 @@ void lowerToSolid(const Solid& solid, const Pose& X_PO, const Rays& rays, const 
   for (int u = 0; u < grid.rows; ++u) {
     for (int v = 0; v < grid.cols; ++v) {
       double& height = heights[grid.index(u, v)];
-      const double hit = firstHit(solid, X_OP * Vector3{grid.x(u), grid.y(v), 0}, direction_O);
+      const double hit = surfaceOver(solid, X_OP * Vector3{grid.x(u), grid.y(v), 0}, direction_O);
       if (hit >= -rays.view_depth) height = std::min(height, hit);
     }
   }

@@ -148,9 +148,12 @@ double firstHit(const Box& box, const Vector3& origin, const Vector3& direction)
 }
 
 double firstHit(const HalfSpace&, const Vector3& origin, const Vector3& direction) {
-  // One that does not look down on the ray's origin, which is on the skin, is under it without end where it holds it.
-  constexpr double kLeastDescent = 1e-6;
-  if (direction[2] > kLeastDescent * length(direction)) return -origin[2] / direction[2];
+  return startOf(insideSlab(origin[2], direction[2], 0, kInfinity));
+}
+
+double surfaceOver(const HalfSpace& half_space, const Vector3& origin, const Vector3& direction) {
+  constexpr double kLeastDescent = 1e-6;  // cosine of the surface's normal to the ray, above the rounding of a float32 pose
+  if (direction[2] > kLeastDescent * length(direction)) return firstHit(half_space, origin, direction);
   return origin[2] >= 0 ? -kInfinity : kInfinity;
 }
 
