@@ -32,7 +32,8 @@ constexpr double kDt = 1e-3;           // s
 constexpr double kLayerModulus = 2e5;  // Pa
 constexpr double kDecay = 1.5e-3;      // m, of the two-parameter foundation
 
-constexpr double kCarried = 1e-5;  // of a load
+constexpr double kCarried = 1e-5;          // of a load
+constexpr double kCarriedTogether = 1e-4;  // of a load, by a coupled law, whose search ends with its solver
 
 enum class Surface { kFlat, kCurved };
 
@@ -64,7 +65,7 @@ struct Laws {
   void add(const std::type_identity<LuGre>&) { rows.push_back({.law = LuGre{.normal_contact_stiffness = kStiffness}}); }
   void add(const std::type_identity<Pasternak>&) {
     rows.push_back(
-        {.law = Pasternak{.normal_contact_stiffness = kStiffness, .shear_stiffness = kStiffness * kDecay * kDecay, .iterations = 100},
+        {.law = Pasternak{.normal_contact_stiffness = kStiffness, .shear_stiffness = kStiffness * kDecay * kDecay, .iterations = 30},
          .is_linear = false});
   }
 };
@@ -209,8 +210,9 @@ TEST_P(EveryShape, PressesAsTheReferenceAndTheClosedForm) {
 
   // The force of each pose as a load, from elsewhere, finds the pose; on a layer, whose cells are then those at full depth (decision 19),
   // nearly.
-  const bool is_layer = std::holds_alternative<ElasticLayer>(sensor.skin.law),
-             is_layer_of_cells = is_layer && sampling == DepthSampling::kArea;
+  const bool is_layer = std::holds_alternative<ElasticLayer>(sensor.skin.law);
+  const bool is_coupled = is_layer || std::holds_alternative<Pasternak>(sensor.skin.law);
+  const bool is_layer_of_cells = is_layer && sampling == DepthSampling::kArea;
   constexpr double kLift = 5e-3, kFound = 2 * support::kTorusMarginZ;
   std::vector<Touch> lifted = touches;
   for (Touch& touch : lifted) touch.X_SO[0].position[2] += kLift;
@@ -223,7 +225,7 @@ TEST_P(EveryShape, PressesAsTheReferenceAndTheClosedForm) {
   for (std::size_t i = 0; i < touches.size(); ++i) {
     SCOPED_TRACE(objects[i / kNumPoses].name + ", pose " + std::to_string(i % kNumPoses) + " under " + std::to_string(loads[i]) + " N");
     EXPECT_TRUE(found.ground_truth.load_reached[i]);
-    EXPECT_NEAR(forceOf(found.ground_truth, i), loads[i], kCarried * loads[i]);
+    EXPECT_NEAR(forceOf(found.ground_truth, i), loads[i], (is_coupled ? kCarriedTogether : kCarried) * loads[i]);
     if (i % kNumPoses == kAbove || is_layer_of_cells) continue;
     EXPECT_NEAR(found.ground_truth.load_offset[i], -kLift, kFound);
     const auto n = static_cast<std::size_t>(numTaxels(sensor));
