@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 import signal
 from collections.abc import Iterator
@@ -12,6 +13,14 @@ import pytest
 import taxelsim
 
 N = 6
+
+
+@pytest.fixture(autouse=True)
+def logger_as_new() -> None:
+    """Other packages switch loggers off when they configure their own (logging.config, disable_existing_loggers)."""
+    logger = logging.getLogger("taxelsim")
+    logger.disabled, logger.propagate = False, True
+    logger.setLevel(logging.NOTSET)
 
 
 @pytest.fixture
