@@ -17,7 +17,7 @@ namespace taxelsim::python {
 
 template <typename Struct, typename Member>
 struct Field {
-  using Parameter = ArgumentFor<Member>;  // of the constructor
+  using Parameter = ArgumentFor<Member>;  // taken by the constructor
 
   const char* name;
   Member Struct::*member;

@@ -10,7 +10,7 @@
 namespace taxelsim {
 namespace {
 
-// Of the pitch. Moves 6 % of the counts of a stamp that is three taxels wide.
+// Fraction of the pitch; an offset of it moves 6 % of the counts of a stamp that is three taxels wide.
 constexpr double kSamePlace = 0.1;
 
 struct Place {

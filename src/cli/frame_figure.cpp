@@ -75,7 +75,7 @@ std::vector<double> alongNormal(std::span<const std::int32_t> counts) {
   return normal;
 }
 
-// Of the axis with the most noise, counts.
+// Noise of the noisiest axis, counts.
 double axisNoise(const Sensor& sensor) {
   return sensor.readout.three_axis ? std::ranges::max(sensor.readout.three_axis->noise) : 0;
 }

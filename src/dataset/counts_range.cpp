@@ -14,9 +14,9 @@ namespace {
 
 constexpr double kQuantile = 0.999;                        // one taxel of a thousand may be brighter, such as a spike
 constexpr double kNoiseDeviations = 10;                    // noise of three standard deviations stays in the lower third of the colours
-constexpr std::uint64_t kBlocks = 16;                      // of a sample; each may be another shard, whose checksum is verified
-constexpr std::uint64_t kFrames = 4096;                    // of a sample
-constexpr std::uint64_t kValues = std::uint64_t{1} << 22;  // of a sample, 32 MiB; fewer frames of large arrays
+constexpr std::uint64_t kBlocks = 16;                      // in a sample; each may lie in another shard, whose checksum is verified
+constexpr std::uint64_t kFrames = 4096;                    // in a sample
+constexpr std::uint64_t kValues = std::uint64_t{1} << 22;  // in a sample, 32 MiB; large arrays give fewer frames
 
 constexpr std::size_t kAxes = 3, kNormalAxis = 2;
 

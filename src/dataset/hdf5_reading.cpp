@@ -12,7 +12,7 @@ namespace taxelsim::dataset {
 namespace {
 
 constexpr const char* kReadFailed = "file read failed";  // in HDF5's message: the system refused a read, the file may be intact
-constexpr std::uint64_t kSecondsTogether = 1;            // of empty files; a file that hangs takes this and then its own limit
+constexpr std::uint64_t kSecondsTogether = 1;            // limit for empty files; a file that hangs takes this and then its own limit
 
 }  // namespace
 
