@@ -1012,9 +1012,8 @@ def test_modules_that_the_package_imports_are_not_taken_from_the_current_folder(
     for file in trapped.glob("*.py"):
         if file.stem not in PACKAGES[1:]:  # what Python imports before the package, and the package, cannot be protected
             file.unlink()
-    done = run_trapped(
-        trapped, [sys.executable, "-m", "taxelsim", "view", ".", "--save", "a.rrd"], PYTHONPATH=os.environ.get("PYTHONPATH", "")
-    )
+    command = [sys.executable, "-m", "taxelsim", "view", ".", "--save", "a.rrd"]
+    done = run_trapped(trapped, command, PYTHONPATH=str(Path(taxelsim.__file__).parents[1]))
     assert done.returncode == 0, done.stderr
 
 
