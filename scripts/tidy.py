@@ -40,23 +40,33 @@ def key(command, depends, build):
     return digest.hexdigest()
 
 
+def commands(build):
+    """Compile command of each source, also of those that are compiled in batches."""
+    for entry in json.loads(pathlib.Path(build, "compile_commands.json").read_text()):
+        batch = re.findall(r'#include "(.*\.cpp)"', pathlib.Path(entry["file"]).read_text()) if "/Unity/" in entry["file"] else []
+        for source in batch or [entry["file"]]:
+            yield {**entry, "file": source, "command": entry["command"].replace(entry["file"], source)}
+
+
 def main():
     build, cache, jobs = sys.argv[1], pathlib.Path(sys.argv[2]), int(sys.argv[3])
     wanted = {str((ROOT / source).resolve()) for source in sys.argv[4:]}
     cache.mkdir(parents=True, exist_ok=True)
     depends = dependencies(build)
+    entries = [entry for entry in commands(build) if entry["file"] in wanted]
     open_sources = []
-    for entry in json.loads(pathlib.Path(build, "compile_commands.json").read_text()):
-        if entry["file"] not in wanted:
-            continue
+    for entry in entries:
         object_file = entry.get("output") or re.search(r" -o (\S+)", entry["command"]).group(1)
         passed = cache / key(entry["command"], depends.get(object_file, [entry["file"]]), build)
         if not passed.exists():
             open_sources.append((entry["file"], passed))
+    database = pathlib.Path(build, "tidy")
+    database.mkdir(exist_ok=True)
+    (database / "compile_commands.json").write_text(json.dumps(entries))
 
     def check(source):
         file, passed = source
-        result = subprocess.run(["clang-tidy", "--quiet", "-p", build, "--extra-arg=-Wno-unknown-warning-option", file], capture_output=True, text=True)
+        result = subprocess.run(["clang-tidy", "--quiet", "-p", str(database), "--extra-arg=-Wno-unknown-warning-option", file], capture_output=True, text=True)
         if result.returncode == 0:
             passed.touch()
             return True

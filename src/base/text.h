@@ -21,6 +21,7 @@ std::string printable(std::string_view text);
 std::string oneLine(std::string_view text);
 
 inline constexpr std::size_t kMaxMessageBytes = 400;
+inline constexpr std::size_t kMaxShown = 40;  // bytes of a value from a file that a message repeats
 
 // oneLine() of at most kMaxMessageBytes bytes. Keeps the start, which has the place, and the end, which has what is allowed.
 std::string messageLine(std::string_view text);

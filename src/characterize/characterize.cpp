@@ -16,7 +16,7 @@ namespace taxelsim {
 namespace {
 
 constexpr int kMaxRounds = 10;
-constexpr double kConverged = 1e-4;  // change of a share of force; good measurements have an error of 1e-3
+constexpr double kConvergedShare = 1e-4;  // change of a share of force; good measurements have an error of 1e-3
 
 template <typename Data>
 std::vector<const Measurement*> ofKind(std::span<const Measurement> measurements) {
@@ -156,7 +156,7 @@ Characterization characterize(std::span<const Measurement> measurements) {
   for (int round = 0; round < kMaxRounds && !points.empty(); ++round) {
     Characterization draft = result;
     fitPointSpread(points, fitGains(draft), draft);
-    const bool converged = differenceOf(std::exchange(result.sensor.psf, draft.sensor.psf), draft.sensor.psf) < kConverged;
+    const bool converged = differenceOf(std::exchange(result.sensor.psf, draft.sensor.psf), draft.sensor.psf) < kConvergedShare;
     found_range = rangeOf(draft);
     if (converged || (curves.empty() && presses.empty())) break;
   }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/constants.h"
 #include "base/median.h"
 #include "base/text.h"
 #include "base/vector3.h"
@@ -18,7 +19,6 @@ namespace taxelsim {
 namespace {
 
 constexpr double kTouch = 0.05;  // of the largest sum of counts: contact
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 ImageContact contactOf(const Sensor& sensor, std::span<const float> counts) {
   std::vector<double> force;
@@ -28,10 +28,10 @@ ImageContact contactOf(const Sensor& sensor, std::span<const float> counts) {
     is_touched.push_back(value > 0);
   }
   const reference::Features features = reference::featuresOf(sensor, force, is_touched);
-  if (!(features.total_force > 0)) return {.total_force = 0, .center_of_pressure = {kNone, kNone, kNone}, .edge_angle = kNone};
+  if (!(features.total_force > 0)) return {.total_force = 0, .center_of_pressure = {kNaN, kNaN, kNaN}, .edge_angle = kNaN};
   return {.total_force = features.total_force,
           .center_of_pressure = features.center_of_pressure,
-          .edge_angle = features.edge_confidence > 0 ? features.edge_angle : kNone};
+          .edge_angle = features.edge_confidence > 0 ? features.edge_angle : kNaN};
 }
 
 void checkSize(const Sensor& sensor, std::span<const float> image, const char* which) {
@@ -67,12 +67,12 @@ ImageComparison compareImages(const Sensor& real_sensor, std::span<const float> 
     product += r * s;
   }
   const double full_scale = (1 << real_sensor.readout.adc_bits) - 1;
-  const auto ratio = [](double a, double b) { return b > 0 ? a / b : kNone; };
+  const auto ratio = [](double a, double b) { return b > 0 ? a / b : kNaN; };
   ImageComparison result;
   result.num_active = differences.size();
   const auto num_active = static_cast<double>(differences.size());
   result.mean_difference = ratio(sum, num_active * full_scale);
-  result.median_difference = differences.empty() ? kNone : medianOf(std::move(differences)) / full_scale;
+  result.median_difference = differences.empty() ? kNaN : medianOf(std::move(differences)) / full_scale;
   result.rms_difference = ratio(std::sqrt(squares / static_cast<double>(real.size())), largest);
   result.relative_l1 = ratio(sum, real_sum);
   result.cosine = ratio(product, std::sqrt(real_squares * simulated_squares));
@@ -87,7 +87,7 @@ ImageComparison compareImages(const Sensor& real_sensor, std::span<const float> 
 ValueRange rangeOf(std::span<const double> values) {
   std::vector<double> defined;
   std::copy_if(values.begin(), values.end(), std::back_inserter(defined), [](double value) { return std::isfinite(value); });
-  if (defined.empty()) return {.count = 0, .median = kNone, .low = kNone, .high = kNone};
+  if (defined.empty()) return {.count = 0, .median = kNaN, .low = kNaN, .high = kNaN};
   const auto [low, high] = std::minmax_element(defined.begin(), defined.end());
   return {.count = defined.size(), .median = medianOf(defined), .low = *low, .high = *high};
 }

@@ -1,4 +1,5 @@
 #include "characterize/covariance.h"
+#include "base/constants.h"
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
@@ -10,7 +11,6 @@ namespace {
 
 constexpr double kLeastEigenvalue = 1e-11;
 constexpr double kLeastComponent = 1e-6;  // squared: a parameter with less of a null direction counts as identifiable
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct PseudoInverse {
   Eigen::MatrixXd matrix;

@@ -7,14 +7,14 @@
 
 #include "base/text.h"
 #include "characterize/fits.h"
+#include "characterize/limits.h"
 #include "sensor/curve.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
 namespace {
 
-constexpr double kStill = 2;  // counts: a smaller change is no response
-constexpr std::size_t kMaxDots = 2000;
+constexpr std::size_t kMaxCreepDots = 2000;
 
 FitFigure figureOf(const CreepFit& fit, const std::vector<CreepSeries>& series) {
   FitFigure figure{.title = "Output over time under a constant load",
@@ -22,7 +22,7 @@ FitFigure figureOf(const CreepFit& fit, const std::vector<CreepSeries>& series) 
                    .y_label = "output, relative to the initial output",
                    .curves = {}};
   double longest = 0;
-  const std::size_t every = fit.num_rows / kMaxDots + 1;
+  const std::size_t every = fit.num_rows / kMaxCreepDots + 1;
   for (std::size_t m = 0; m < series.size(); ++m) {
     FitFigure::Curve dots{.name = std::filesystem::path(series[m].file).stem().string(), .measured = true, .x = {}, .y = {}};
     for (std::size_t r = fit.onsets[m].first_row; r < fit.onsets[m].end_row; r += every) {

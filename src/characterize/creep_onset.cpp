@@ -9,7 +9,7 @@ namespace taxelsim {
 namespace {
 
 constexpr double kUnloaded = 0.05;  // of the level under load
-constexpr std::size_t kLeastRows = 8;
+constexpr std::size_t kLeastOnsetRows = 8;
 
 }  // namespace
 
@@ -51,9 +51,9 @@ Onset onsetOf(const CreepSeries& series, double level) {
   if (last + 3 < values.size()) {
     while (onset.end_row > onset.first_row && series.time[onset.end_row - 1] > series.time[last] - 2 * rise) --onset.end_row;
   }
-  if (onset.end_row < onset.first_row + kLeastRows) {
+  if (onset.end_row < onset.first_row + kLeastOnsetRows) {
     fail(std::to_string(onset.end_row - std::min(onset.end_row, onset.first_row)) + " rows under the full load found, at least " +
-         std::to_string(kLeastRows) + " needed");
+         std::to_string(kLeastOnsetRows) + " needed");
   }
   return onset;
 }

@@ -25,12 +25,12 @@ struct Term {
   double fraction;
 };
 
-struct Rows {
+struct SeriesRows {
   std::vector<double> after;  // s after the onset
   std::vector<double> values;
 };
 
-struct Attempt {
+struct TermsAttempt {
   GroupedFit fit;
   std::vector<Term> terms;      // ascending in time
   std::vector<std::size_t> at;  // (terms): index in the fit
@@ -59,12 +59,12 @@ struct LinearFit {
   double squares = std::numeric_limits<double>::infinity();
 };
 
-std::optional<LinearFit> fitFractions(const std::vector<Rows>& series, const std::vector<double>& times) {
+std::optional<LinearFit> fitFractions(const std::vector<SeriesRows>& series, const std::vector<double>& times) {
   const auto unknowns = static_cast<Eigen::Index>(times.size() + 1);
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(unknowns, unknowns);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(unknowns), row(unknowns);
   double squares = 0;
-  for (const Rows& rows : series) {
+  for (const SeriesRows& rows : series) {
     const double level = medianOf(rows.values);
     const std::size_t every = rows.values.size() / kStartRows + 1;
     for (std::size_t r = 0; r < rows.values.size(); r += every) {
@@ -95,7 +95,7 @@ bool nextCombination(std::vector<std::size_t>& chosen, std::size_t end) {
 }
 
 // Start values: the combination of times from a logarithmic grid that fits best.
-std::vector<Term> startOf(const std::vector<Rows>& series, std::size_t num_terms, double shortest, double longest) {
+std::vector<Term> startOf(const std::vector<SeriesRows>& series, std::size_t num_terms, double shortest, double longest) {
   std::vector<double> grid;
   for (std::size_t k = 0; k < kGridTimes; ++k) {
     grid.push_back(2 * shortest * std::pow(longest / (3 * shortest), static_cast<double>(k) / (kGridTimes - 1)));
@@ -134,7 +134,7 @@ double correlationOf(const GroupedFit& fit) {
   return square > 0 ? std::clamp(product / square, 0.0, kMostCorrelation) : 0;
 }
 
-Attempt fitTerms(const std::vector<Rows>& series, std::size_t num_terms, double shortest, double longest) {
+TermsAttempt fitTerms(const std::vector<SeriesRows>& series, std::size_t num_terms, double shortest, double longest) {
   GroupedProblem problem;
   if (num_terms > 0) {
     for (const Term& term : startOf(series, num_terms, shortest, longest)) {
@@ -144,7 +144,7 @@ Attempt fitTerms(const std::vector<Rows>& series, std::size_t num_terms, double 
   }
   std::vector<double> start;
   for (const FitParameter& parameter : problem.shared) start.push_back(parameter.start);
-  for (const Rows& rows : series) {
+  for (const SeriesRows& rows : series) {
     const double level = medianOf(rows.values);
     const double amplitude = rows.values.back() / creepFactor(termsOf(start.data(), num_terms), rows.after.back());
     problem.own.push_back({{.start = amplitude > 0 ? amplitude : level, .scale = level, .low = 0}});
@@ -152,14 +152,14 @@ Attempt fitTerms(const std::vector<Rows>& series, std::size_t num_terms, double 
   }
   // Residuals are relative to the series' level: variations under a constant load grow with the load.
   std::vector<double> levels;
-  for (const Rows& rows : series) levels.push_back(medianOf(rows.values));
+  for (const SeriesRows& rows : series) levels.push_back(medianOf(rows.values));
   problem.residuals = [&](std::size_t g, const double* shared, const double* own, double* residuals) {
     const std::vector<CreepTerm> terms = termsOf(shared, num_terms);
     for (std::size_t r = 0; r < series[g].values.size(); ++r) {
       residuals[r] = (own[0] * creepFactor(terms, series[g].after[r]) - series[g].values[r]) / levels[g];
     }
   };
-  Attempt attempt{.fit = fitGroups(problem), .terms = {}, .at = {}};
+  TermsAttempt attempt{.fit = fitGroups(problem), .terms = {}, .at = {}};
   for (std::size_t i = 0; i < num_terms; ++i) {
     attempt.terms.push_back({std::exp(attempt.fit.shared[2 * i]), attempt.fit.shared[2 * i + 1]});
     attempt.at.push_back(i);
@@ -184,7 +184,7 @@ double squaresOf(const GroupedFit& fit, const GroupedFit& other) {
 }
 
 // Half width of the 95 % interval of a shared parameter, by the effective number of rows.
-double halfWidthOf(const Attempt& attempt, std::size_t parameter) {
+double halfWidthOf(const TermsAttempt& attempt, std::size_t parameter) {
   const auto p = static_cast<Eigen::Index>(parameter);
   const double widened = (1 + attempt.correlation) / (1 - attempt.correlation);
   return studentFactor(static_cast<std::size_t>(attempt.freedom)) * std::sqrt(widened * attempt.fit.covariance(p, p));
@@ -192,7 +192,7 @@ double halfWidthOf(const Attempt& attempt, std::size_t parameter) {
 
 // Onset and fraction are confounded in the tail: for constant A c e^(t0 / time) and a constant end value,
 //   dc / dt0 = -c / time - c sum c_j / time_j.
-double halfWidthByOnset(const Attempt& attempt, std::size_t term, const std::vector<Onset>& onsets) {
+double halfWidthByOnset(const TermsAttempt& attempt, std::size_t term, const std::vector<Onset>& onsets) {
   double variance = 0, rate = 1 / attempt.terms[term].time;
   for (const Onset& onset : onsets) variance += onset.deviation * onset.deviation;
   for (const Term& other : attempt.terms) rate += other.fraction / other.time;
@@ -200,7 +200,7 @@ double halfWidthByOnset(const Attempt& attempt, std::size_t term, const std::vec
 }
 
 // Empty, or why a term is not identified.
-std::string reasonAgainst(const Attempt& attempt, const std::vector<Onset>& onsets, double shortest, double longest) {
+std::string reasonAgainst(const TermsAttempt& attempt, const std::vector<Onset>& onsets, double shortest, double longest) {
   for (std::size_t i = 0; i < attempt.terms.size(); ++i) {
     const Term& term = attempt.terms[i];
     if (term.time > 0.99 * longest) return "a time constant longer than the " + numberText(std::round(longest * 10) / 10) + " s under load";
@@ -221,10 +221,10 @@ double frameInterval(const std::vector<double>& time) {
 
 // With `num_terms` terms, by default as many as are identified.
 CreepFit fitFrom(const std::vector<CreepSeries>& all, std::vector<Onset> onsets, std::optional<std::size_t> num_terms = {}) {
-  std::vector<Rows> series;
+  std::vector<SeriesRows> series;
   double shortest = 0, longest = 0;
   for (std::size_t m = 0; m < all.size(); ++m) {
-    Rows rows;
+    SeriesRows rows;
     for (std::size_t r = onsets[m].first_row; r < onsets[m].end_row; ++r) {
       rows.after.push_back(all[m].time[r] - onsets[m].time);
       rows.values.push_back(all[m].values[r]);
@@ -234,10 +234,10 @@ CreepFit fitFrom(const std::vector<CreepSeries>& all, std::vector<Onset> onsets,
     series.push_back(std::move(rows));
   }
   CreepFit result;
-  Attempt accepted = fitTerms(series, num_terms.value_or(0), shortest, longest);
+  TermsAttempt accepted = fitTerms(series, num_terms.value_or(0), shortest, longest);
   while (!num_terms && accepted.terms.size() < kMaxTerms) {
     const std::size_t next = accepted.terms.size() + 1;
-    Attempt attempt = fitTerms(series, next, shortest, longest);
+    TermsAttempt attempt = fitTerms(series, next, shortest, longest);
     if (!isBetterFit(squaresOf(accepted.fit, attempt.fit), squaresOf(attempt.fit, attempt.fit), 2, attempt.freedom)) {
       result.remark = next == 1 ? "no creep above the noise" : "no further term above the noise";
       break;

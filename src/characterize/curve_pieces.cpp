@@ -169,13 +169,13 @@ double noiseOfNeighbours(const std::vector<PressedTaxel>& taxels, double top) {
   return std::max(kLeastNoise, kMedianToDeviation * medianOf(std::move(apart)));
 }
 
-struct Attempt {
+struct PiecesAttempt {
   ReadoutModel model;
   std::vector<FitResult> lines;
   PiecesFit found;
 };
 
-void fit(const std::vector<PressedTaxel>& taxels, Attempt& attempt) {
+void fit(const std::vector<PressedTaxel>& taxels, PiecesAttempt& attempt) {
   const std::vector<double> rises = startingRises(attempt.model, taxels, attempt.lines);
   attempt.model.steepest_piece = static_cast<std::size_t>(std::max_element(rises.begin(), rises.end()) - rises.begin());
   attempt.found.fit = fitReadoutModel(taxels, attempt.lines, attempt.model, 0);
@@ -201,7 +201,7 @@ void removeGrossOutliers(std::vector<PressedTaxel>& taxels, double least) {
 }
 
 // Selects the informative rows of a fit, without gross outliers.
-void chooseRows(Attempt& attempt, std::vector<PressedTaxel>& taxels, double least) {
+void chooseRows(PiecesAttempt& attempt, std::vector<PressedTaxel>& taxels, double least) {
   const ReadoutModel& model = attempt.model;
   const GroupedFit& fit = attempt.found.fit;
   for (std::size_t t = 0; t < taxels.size(); ++t) {
@@ -219,7 +219,7 @@ void chooseRows(Attempt& attempt, std::vector<PressedTaxel>& taxels, double leas
   }
 }
 
-void drop(std::size_t knot, Attempt& attempt) {
+void drop(std::size_t knot, PiecesAttempt& attempt) {
   attempt.found.joined.push_back(attempt.model.knots[knot]);
   attempt.model.knots.erase(attempt.model.knots.begin() + static_cast<std::ptrdiff_t>(knot));
   if (knot < attempt.model.pinned_knot) --attempt.model.pinned_knot;
@@ -241,7 +241,7 @@ PiecesFit fitPieces(std::vector<PressedTaxel>& taxels, std::size_t num_pieces, s
   removeGrossOutliers(taxels, gross);
   double deviation = model.top;
   const auto attemptFrom = [&](double begin, bool shows_below_zero) {
-    Attempt attempt{.model = model, .lines = lines, .found = {}};
+    PiecesAttempt attempt{.model = model, .lines = lines, .found = {}};
     attempt.model.shows_below_zero = shows_below_zero;
     for (FitResult& line : attempt.lines) {
       // Keeps the point at the end of the line.
@@ -254,14 +254,14 @@ PiecesFit fitPieces(std::vector<PressedTaxel>& taxels, std::size_t num_pieces, s
     deviation = std::min(deviation, std::max(kLeastNoise, attempt.found.fit.residual_sd));
     return attempt;
   };
-  std::vector<Attempt> attempts;
+  std::vector<PiecesAttempt> attempts;
   for (const double begin : kBegins) attempts.push_back(attemptFrom(begin, false));
   attempts.push_back(attemptFrom(1, true));
-  const auto misfit = [&](const Attempt& a) {
+  const auto misfit = [&](const PiecesAttempt& a) {
     return cutSquares(a.found.fit, deviation) * (a.model.shows_below_zero ? kNegativePenalty : 1);
   };
-  Attempt& best =
-      *std::min_element(attempts.begin(), attempts.end(), [&](const Attempt& a, const Attempt& b) { return misfit(a) < misfit(b); });
+  PiecesAttempt& best = *std::min_element(attempts.begin(), attempts.end(),
+                                          [&](const PiecesAttempt& a, const PiecesAttempt& b) { return misfit(a) < misfit(b); });
   chooseRows(best, taxels, gross);
   std::vector<std::size_t> num_rows;
   while (true) {

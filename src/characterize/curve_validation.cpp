@@ -16,7 +16,7 @@ namespace taxelsim {
 namespace {
 
 constexpr double kLoaded = 0.2,
-                 kUnloaded = 0.1;  // of the largest force: a cycle begins when the force has been above one and falls below the other
+                 kCycleEnd = 0.1;  // of the largest force: a cycle begins when the force has been above one and falls below the other
 constexpr std::size_t kLeastCycles = 4;
 constexpr std::size_t kBins = 32;  // of force, for the median of the other half
 
@@ -34,7 +34,7 @@ std::vector<std::size_t> cyclesOf(const ForceCurve& curve) {
   bool is_loaded = false;
   for (const double force : curve.force) {
     if (force > kLoaded * most) is_loaded = true;
-    if (is_loaded && force < kUnloaded * most) is_loaded = false, ++cycle;
+    if (is_loaded && force < kCycleEnd * most) is_loaded = false, ++cycle;
     cycles.push_back(cycle);
   }
   return cycles;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "characterize/covariance.h"
+#include "characterize/limits.h"
 #include "characterize/weighted_solve.h"
 
 namespace taxelsim {
@@ -13,12 +14,11 @@ namespace {
 
 // 95 % of the efficiency of plain least squares on Gaussian residuals (J. Rey, Robust Regression).
 constexpr double kCauchyWidth = 2.385;  // standard deviations
-constexpr double kOutlier = 4.5;        // standard deviations: probability 1 in 150,000 for a Gaussian
 constexpr SolveLimits kFirstLimits{.tolerance = 1e-5, .max_iterations = 40};
 constexpr SolveLimits kReweightedLimits{.tolerance = 1e-5, .max_iterations = 5};
 constexpr SolveLimits kFinalLimits{.tolerance = 1e-9, .max_iterations = 40};
 constexpr int kMaxReweightings = 8;
-constexpr double kConverged = 1e-3;  // relative change of the deviation by a reweighting
+constexpr double kConvergedDeviation = 1e-3;  // relative change of the deviation by a reweighting
 
 std::size_t numFree(const std::vector<FitParameter>& parameters) {
   return static_cast<std::size_t>(
@@ -76,7 +76,7 @@ double fitRobustly(const GroupedProblem& problem, RowWeights& weights, Parameter
     solveWeighted(problem, weights, kReweightedLimits, values);
     fit.residual = residualsAt(problem, values);
     const double before = std::exchange(deviation, std::max(problem.noise, robustDeviation(fit.residual)));
-    if (std::abs(deviation - before) <= kConverged * before) break;
+    if (std::abs(deviation - before) <= kConvergedDeviation * before) break;
   }
   return deviation;
 }

@@ -5,12 +5,12 @@
 #include <utility>
 
 #include "base/text.h"
+#include "characterize/limits.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
 namespace {
 
-constexpr double kStill = 2;             // counts: an image with no more has no contact
 constexpr std::size_t kMaxImages = 600;  // more are subsampled evenly
 constexpr double kLeastOnArray = 1e-3;   // of an indenter's force
 

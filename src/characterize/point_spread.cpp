@@ -59,7 +59,7 @@ FitFigure figureOf(const PointSpreadModel& model, const PsfFit& found) {
   return figure;
 }
 
-std::string rounded(double value) {
+std::string tenThousandths(double value) {
   return numberText(std::round(value * 1e4) / 1e4);
 }
 
@@ -142,8 +142,8 @@ void tryFreeKernel(PointSpreadModel& model, int size, PsfFit& found, Characteriz
   // Clipped rows have residuals of 0: counts them with the noise of the others.
   const double clipped = std::max(0.0, freedom * model.noise * model.noise - with_kernel);
   if (!isBetterFit(squares + clipped, with_kernel + clipped, static_cast<double>(num_weights - 2), freedom)) return;
-  result.remarks.push_back("a free kernel fits significantly better than a Gaussian (" + rounded(kernel.fit.residual_sd) + " against " +
-                           rounded(found.fit.residual_sd) + " counts rms): the sensor has the kernel");
+  result.remarks.push_back("a free kernel fits significantly better than a Gaussian (" + tenThousandths(kernel.fit.residual_sd) +
+                           " against " + tenThousandths(found.fit.residual_sd) + " counts rms): the sensor has the kernel");
   result.estimates.back().remark = "of the nearest Gaussian; the sensor has the kernel";
   result.sensor.psf = kernel.psf;
   addKernelEstimates(kernel, result);
@@ -156,7 +156,7 @@ void reportForceRatio(const PointSpreadModel& model, const PsfFit& found, Charac
     if (model.images[g].force > 0) ratios.push_back(found.fit.own[g][0] / model.images[g].force);
   }
   if (ratios.empty()) return;
-  result.remarks.push_back("point images: force read / force measured has a median of " + rounded(medianOf(std::move(ratios))));
+  result.remarks.push_back("point images: force read / force measured has a median of " + tenThousandths(medianOf(std::move(ratios))));
 }
 
 }  // namespace

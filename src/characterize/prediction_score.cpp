@@ -5,12 +5,11 @@
 #include <limits>
 #include <utility>
 
+#include "base/constants.h"
 #include "base/median.h"
 
 namespace taxelsim {
 namespace {
-
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 // x and y of the centre of the counts, m; NaN for an image of zeros.
 std::array<double, 2> centreOf(const std::vector<Vector3>& positions, std::span<const double> counts) {
@@ -21,7 +20,7 @@ std::array<double, 2> centreOf(const std::vector<Vector3>& positions, std::span<
 
 double medianOrNan(std::vector<double> values) {
   std::erase_if(values, [](double value) { return !std::isfinite(value); });
-  return values.empty() ? kNone : medianOf(std::move(values));
+  return values.empty() ? kNaN : medianOf(std::move(values));
 }
 
 }  // namespace
@@ -35,13 +34,13 @@ PredictionScore scoreOf(std::span<const double> predicted, std::span<const doubl
     difference += off, predicted_sum += predicted[k], real_sum += real[k];
     predicted_active += predicted[k] > 0 ? 1 : 0, real_active += real[k] > 0 ? 1 : 0;
   }
-  const auto ratio = [](double a, double b) { return b > 0 ? a / b : kNone; };
+  const auto ratio = [](double a, double b) { return b > 0 ? a / b : kNaN; };
   return {.measurement = {},
           .load = 0,
           .median_difference = medianOrNan(std::move(differences)),
           .relative_l1 = ratio(difference, real_sum),
           .sum_ratio = ratio(predicted_sum, real_sum),
-          .center_distance = kNone,
+          .center_distance = kNaN,
           .active_ratio = ratio(predicted_active, real_active)};
 }
 
@@ -66,7 +65,7 @@ PredictionScore scoreOfMeanPress(const Sensor& sensor, std::span<const std::vect
   score.relative_l1 *= part;
   score.sum_ratio = 1 + part * (score.sum_ratio - 1);
   score.center_distance *= part;
-  score.active_ratio = kNone;
+  score.active_ratio = kNaN;
   return score;
 }
 

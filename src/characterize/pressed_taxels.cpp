@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "characterize/clipped_mean.h"
+#include "characterize/limits.h"
 #include "reference/psf.h"
 #include "taxelsim/error.h"
 
@@ -14,7 +15,6 @@ namespace {
 
 constexpr std::size_t kPlateauRows = 5;    // rows with exactly the largest output that make a plateau
 constexpr double kFlat = 0.01;             // relative rise of the output over the last third of the force that still counts as flat
-constexpr double kStill = 2;               // counts: a smaller change is no response
 constexpr std::size_t kMaxRows = 200'000;  // of all taxels; more are subsampled evenly
 
 using RowsByTaxel = std::map<int, std::vector<Reading>>;

@@ -7,16 +7,14 @@
 
 #include "characterize/clipped_mean.h"
 #include "characterize/curve_pieces.h"
+#include "characterize/limits.h"
 
 namespace taxelsim {
 namespace {
 
 constexpr double kFarRange = 0.1;                           // of the range: distance beyond its ends at which rows are uninformative
-constexpr double kMostOfLimit = 0.999;                      // upper bound of (end of the range) / (limit of the divider)
 constexpr double kUnloading = 0.2;                          // fall of the force that counts as unloading, of the largest force
 constexpr std::array<double, 3> kWidths{0.02, 0.06, 0.15};  // of the largest force: start values of the play's width
-
-constexpr double kMostPerKelvin = 0.1;  // bound of the growth of the gain
 
 // Effective force of each row after hysteresis.
 std::vector<double> playedForces(const PressedTaxel& taxel, double strength, double width) {

@@ -13,7 +13,7 @@
 namespace taxelsim {
 namespace {
 
-constexpr std::size_t kMaxDots = 4000;
+constexpr std::size_t kMaxReadingDots = 4000;
 
 bool isBorder(const Sensor& sensor, int taxel) {
   for (const GridPatch& patch : sensor.patches) {
@@ -27,7 +27,7 @@ bool isBorder(const Sensor& sensor, int taxel) {
   return false;
 }
 
-std::string rounded(double value) {
+std::string thousandths(double value) {
   return numberText(std::round(value * 1e3) / 1e3);
 }
 
@@ -116,9 +116,9 @@ void ReadoutReport::reportCurve() {
 void ReadoutReport::reportTrigger(double trigger, double half_width, double share) {
   add("readout.trigger", "N", trigger, half_width, "");
   if (least_trigger_ < 0)
-    result_.remarks.push_back("the output begins at a force of " + rounded(trigger) + " N, below 0: taxels read without a load");
+    result_.remarks.push_back("the output begins at a force of " + thousandths(trigger) + " N, below 0: taxels read without a load");
   const double line_end = (trigger + model_.top / slope_) / share;
-  result_.remarks.push_back("force on one taxel: detection threshold " + rounded(trigger / share) + " N" +
+  result_.remarks.push_back("force on one taxel: detection threshold " + thousandths(trigger / share) + " N" +
                             (model_.knots.empty() ? "; linear range to " + numberText(std::round(line_end * 100) / 100) + " N" : ""));
 }
 
@@ -150,7 +150,7 @@ void ReadoutReport::reportPoints(const std::vector<Eigen::VectorXd>& of_slope) {
     for (Eigen::VectorXd& gradient : own) gradient *= by_slope;
     readout_.curve_points.push_back({.force = force, .counts = output.counts});
     const double half = std::hypot(fit_.meanHalfWidth(own, output.gradient), by_slope * slope_by_share_);
-    add("readout.curve.points[" + std::to_string(k) + "].counts", "counts", output.counts, half, "at " + rounded(force) + " N");
+    add("readout.curve.points[" + std::to_string(k) + "].counts", "counts", output.counts, half, "at " + thousandths(force) + " N");
     result_.estimates.back().determined = std::isfinite(half);
   }
   const auto reportMissing = [&](const std::string& where) {
@@ -159,10 +159,10 @@ void ReadoutReport::reportPoints(const std::vector<Eigen::VectorXd>& of_slope) {
          .unit = "counts",
          .remark = where + ": fewer than " + std::to_string(kLeastReadings) + " informative rows; the curve is straight there"});
   };
-  for (const double z : pieces_.joined) reportMissing("at " + rounded(z / slope_) + " N");
+  for (const double z : pieces_.joined) reportMissing("at " + thousandths(z / slope_) + " N");
   for (const std::size_t k : pieces_.sparse) {
     const double begin = k > 0 ? model_.knots[k - 1] : 0;
-    reportMissing("from " + rounded(begin / slope_) + " to " + rounded(model_.knots[k] / slope_) + " N");
+    reportMissing("from " + thousandths(begin / slope_) + " to " + thousandths(model_.knots[k] / slope_) + " N");
   }
 }
 
@@ -218,7 +218,7 @@ void ReadoutReport::reportDrift() {
   std::vector<double> drifts;
   for (std::size_t t = 0; t < taxels_.size(); ++t) drifts.push_back(std::abs(fit_.own[t][2]));
   result_.remarks.push_back("the zero of taxels drifts over the measurement by up to " +
-                            rounded(*std::max_element(drifts.begin(), drifts.end())) + " N, median " + rounded(medianOf(drifts)) +
+                            thousandths(*std::max_element(drifts.begin(), drifts.end())) + " N, median " + thousandths(medianOf(drifts)) +
                             " N: fitted, but not part of the sensor file");
 }
 
@@ -262,10 +262,10 @@ void ReadoutReport::reportGains() {
     sum[where] += gain;
     count[where] += 1;
   }
-  std::string text = "taxel_gain: standard deviation " + rounded(std::sqrt(squares / std::max(1.0, count[0] + count[1] - 1)));
+  std::string text = "taxel_gain: standard deviation " + thousandths(std::sqrt(squares / std::max(1.0, count[0] + count[1] - 1)));
   if (count[0] > 0 && count[1] > 0) {
-    text += "; mean of the " + numberText(count[1]) + " border taxels " + rounded(sum[1] / count[1]) + ", of the others " +
-            rounded(sum[0] / count[0]);
+    text += "; mean of the " + numberText(count[1]) + " border taxels " + thousandths(sum[1] / count[1]) + ", of the others " +
+            thousandths(sum[0] / count[0]);
   }
   result_.remarks.push_back(text);
   if (taxels_.size() + result_.dead_taxels.size() < num_taxels) {
@@ -286,7 +286,7 @@ void ReadoutReport::draw() const {
     first += fit_.own[t][1] / static_cast<double>(taxels_.size());
     most = std::max(most, largestForce(taxels_[t].rows));
   }
-  const std::size_t every = total / kMaxDots + 1;
+  const std::size_t every = total / kMaxReadingDots + 1;
   for (const PressedTaxel& taxel : taxels_) {
     for (const Reading& row : taxel.rows) {
       if (k++ % every != 0) continue;

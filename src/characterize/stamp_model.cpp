@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "characterize/clipped_mean.h"
+#include "characterize/limits.h"
 #include "characterize/stamp_press.h"
 #include "reference/readout.h"
 
@@ -16,15 +17,13 @@ namespace {
 using namespace stamp_own;
 using namespace stamp_shared;
 
-constexpr double kTurn = 0.052;         // rad, 3 degrees: standard deviation of the turn and the tilt of a stamp that is placed by hand
-constexpr double kMostTilt = 0.15;      // slope
-constexpr double kGainScale = 0.1;      // typical deviation of a gain
-constexpr double kPlane = 1e-6;         // m and rad: deviation up to which a skin counts as plane
-constexpr double kMostOfLimit = 0.999;  // upper bound of (end of the range) / (limit of the divider)
-constexpr double kMostBend = 100;       // upper bound of the quadratic term at the end of the range, relative to the linear one
-constexpr double kLeastGain = 0.01;     // of the nominal gain
+constexpr double kTurn = 0.052;      // rad, 3 degrees: standard deviation of the turn and the tilt of a stamp that is placed by hand
+constexpr double kMostTilt = 0.15;   // slope
+constexpr double kGainScale = 0.1;   // typical deviation of a gain
+constexpr double kPlane = 1e-6;      // m and rad: deviation up to which a skin counts as plane
+constexpr double kMostBend = 100;    // upper bound of the quadratic term at the end of the range, relative to the linear one
+constexpr double kLeastGain = 0.01;  // of the nominal gain
 constexpr double kLeastPress = 0.2, kMostPress = 5;
-constexpr double kMostPerKelvin = 0.1;  // bound of the growth of the gain
 constexpr int kMaxKernelReach = kMaxKernelSize / 2;
 
 // (num_taxels x num_taxels): taxels^2 within a grid, infinite beyond the largest kernel; m^2 along the skin for a list of taxels.

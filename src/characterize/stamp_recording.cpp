@@ -6,13 +6,13 @@
 #include "base/median.h"
 #include "base/text.h"
 #include "characterize/creep.h"
+#include "characterize/limits.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
 namespace {
 
 constexpr double kWindowBegin = 4.5, kWindowEnd = 5.5;  // s after contact
-constexpr double kStill = 2;                            // counts
 
 CreepSeries sumOf(const Measurement& measurement, const Images& images) {
   CreepSeries sum{.file = measurement.file.generic_string(), .time = images.time, .values = {}};

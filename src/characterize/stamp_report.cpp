@@ -7,6 +7,7 @@
 #include "base/text.h"
 #include "characterize/creep.h"
 #include "characterize/fits.h"
+#include "characterize/limits.h"
 #include "characterize/stamp_selection.h"
 #include "characterize/temperature.h"
 
@@ -16,7 +17,6 @@ namespace {
 using namespace stamp_own;
 using namespace stamp_shared;
 
-constexpr double kSteady = 5;  // s after contact: the time that the image stands for
 // A reading clear of the trigger at 5 s is above kClearOfTrigger x trigger + kClearCounts, so that the taxel responded from the onset.
 constexpr double kClearOfTrigger = 0.5, kClearCounts = 20;
 

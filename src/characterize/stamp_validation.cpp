@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "characterize/limits.h"
 #include "characterize/prediction_score.h"
 #include "characterize/stamp_baselines.h"
 #include "characterize/stamp_places.h"
@@ -16,7 +17,6 @@
 namespace taxelsim {
 namespace {
 
-constexpr double kSteady = 5;  // s after contact: the time that the image of a recording stands for
 constexpr double kHeight = 5e-3;
 constexpr int kSamplesPerTaxel = 8;  // the fit uses covered areas: more samples than a scene needs
 

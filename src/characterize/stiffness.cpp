@@ -12,9 +12,9 @@
 namespace taxelsim {
 namespace {
 
-constexpr std::size_t kLeastRows = 4;
-constexpr std::size_t kMaxRows = 20000;  // of a measurement; longer ones are subsampled evenly
-constexpr std::size_t kMaxDots = 2000;
+constexpr std::size_t kLeastDepths = 4;
+constexpr std::size_t kMaxDepths = 20000;  // of a measurement; longer ones are subsampled evenly
+constexpr std::size_t kMaxDepthDots = 2000;
 
 struct Row {
   const Indenter* indenter;
@@ -27,7 +27,7 @@ std::vector<Row> rowsOf(Measured measurements) {
   std::vector<Row> rows;
   for (std::size_t m = 0; m < measurements.size(); ++m) {
     const auto& data = std::get<ForceDepth>(measurements[m]->data);
-    const std::size_t count = std::min(kMaxRows, data.depth.size());
+    const std::size_t count = std::min(kMaxDepths, data.depth.size());
     for (std::size_t k = 0; k < count; ++k) {
       const std::size_t r = k * data.depth.size() / count;
       rows.push_back({&data.indenter, m, data.depth[r], data.force[r]});
@@ -41,7 +41,7 @@ FitFigure figureOf(Measured measurements, const std::vector<Row>& rows, const Fi
   for (std::size_t m = 0; m < measurements.size(); ++m) {
     const auto& data = std::get<ForceDepth>(measurements[m]->data);
     FitFigure::Curve dots{.name = measurements[m]->name, .measured = true, .x = {}, .y = {}}, line{.name = "fit", .x = {}, .y = {}};
-    const std::size_t every = rows.size() / kMaxDots + 1;
+    const std::size_t every = rows.size() / kMaxDepthDots + 1;
     double deepest = 0;
     for (std::size_t r = 0; r < rows.size(); ++r) {
       if (rows[r].measurement != m) continue;
@@ -133,9 +133,9 @@ void fitStiffness(Measured measurements, Characterization& result) {
   if (law == nullptr) throw Error(ErrorKind::kInput, file + ": force_depth needs a sensor with skin.law winkler");
   const std::vector<Row> rows = rowsOf(measurements);
   const Start start = startOf(measurements, rows, *law);
-  if (rows.size() < kLeastRows + measurements.size()) {
+  if (rows.size() < kLeastDepths + measurements.size()) {
     throw Error(ErrorKind::kInput, file + ": " + std::to_string(rows.size()) + " rows found, at least " +
-                                       std::to_string(kLeastRows + measurements.size()) + " needed");
+                                       std::to_string(kLeastDepths + measurements.size()) + " needed");
   }
   const FitResult fit = fitRows(rows.size(), start.parameters, [&](std::size_t r, const double* p) {
     return p[0] * volumeUnder(*rows[r].indenter, law->normal_exponent, rows[r].depth - p[1 + rows[r].measurement]) - rows[r].force;

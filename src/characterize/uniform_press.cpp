@@ -13,6 +13,7 @@
 #include "base/text.h"
 #include "characterize/clipped_mean.h"
 #include "characterize/fits.h"
+#include "characterize/limits.h"
 #include "characterize/statistics.h"
 #include "reference/psf.h"
 #include "reference/readout.h"
@@ -21,10 +22,8 @@
 namespace taxelsim {
 namespace {
 
-constexpr double kStill = 2;           // counts: a taxel that never reads more is dead
 constexpr double kClearOfNoise = 4;    // standard deviations that a reading must be above 0
 constexpr std::size_t kLeastRead = 2;  // presses with a reading that a gain needs
-constexpr double kOutlier = 4.5;       // standard deviations
 constexpr int kRounds = 50;
 
 // One press: mean counts of each taxel over its frames.

@@ -27,13 +27,13 @@ namespace {
 constexpr const char* kCreep = "creep";
 constexpr const char* kPsf = "psf";
 
-struct Arguments {
+struct CalibrateReadingsArguments {
   std::string table, sensor, output;
   std::string taxel_columns;
   std::vector<std::string> remove;
 };
 
-void refuseToOverwrite(const Arguments& arguments) {
+void refuseToOverwrite(const CalibrateReadingsArguments& arguments) {
   for (const std::string& input : {arguments.table, arguments.sensor}) {
     std::error_code error;
     if (std::filesystem::equivalent(input, arguments.output, error)) {
@@ -43,7 +43,7 @@ void refuseToOverwrite(const Arguments& arguments) {
 }
 
 Images imagesOf(const NumberTable& table, const Sensor& sensor, const std::vector<std::size_t>& columns) {
-  Images images{.num_taxels = columns.size(), .time = table.find(kTime), .counts = {}};
+  Images images{.num_taxels = columns.size(), .time = table.find(kRecordedTime), .counts = {}};
   const int full_scale = (1 << sensor.readout.adc_bits) - 1;
   images.counts.reserve(table.numRows() * columns.size());
   for (std::size_t row = 0; row < table.numRows(); ++row) {
@@ -56,7 +56,7 @@ Images imagesOf(const NumberTable& table, const Sensor& sensor, const std::vecto
     }
     if (row > 0 && !images.time.empty() && !(images.time[row] > images.time[row - 1])) {
       table.failAtValue(
-          row, table.columnOf(kTime),
+          row, table.columnOf(kRecordedTime),
           fmt::format("{} s is not allowed: must be later than the previous row ({} s)", images.time[row], images.time[row - 1]));
     }
   }
@@ -80,7 +80,7 @@ std::string forceTable(const NumberTable& table, const std::vector<std::size_t>&
   return text;
 }
 
-int runCalibrateReadings(const Arguments& arguments) {
+int runCalibrateReadings(const CalibrateReadingsArguments& arguments) {
   refuseToOverwrite(arguments);
   const auto removes = [&](const char* stage) {
     return std::find(arguments.remove.begin(), arguments.remove.end(), stage) != arguments.remove.end();
@@ -92,7 +92,7 @@ int runCalibrateReadings(const Arguments& arguments) {
   }
   const std::vector<std::size_t> columns =
       table.taxelColumns(sensor, arguments.taxel_columns.empty() ? std::string(kGridColumns) : arguments.taxel_columns);
-  if (removes(kCreep)) table.require(kTime);
+  if (removes(kCreep)) table.require(kRecordedTime);
   const Images images = imagesOf(table, sensor, columns);
   const Readings readings = readingsInNewtons(sensor, images, {.remove_creep = removes(kCreep), .remove_spread = removes(kPsf)});
 
@@ -117,7 +117,7 @@ void addCalibrateReadings(CLI::App& app, Action& action) {
       "Example:\n  taxelsim calibrate-readings raw.csv --sensor calibrated.yaml -o forces.csv --remove creep --remove psf\n"
       "The first line of the table must name its columns. In --taxel-columns, {row}, {col}, {patch} and {taxel} stand for the numbers\n"
       "or the patch of a taxel.");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<CalibrateReadingsArguments>();
   command->add_option("table", arguments->table, "Table of counts (CSV)")->required()->type_name("RAW");
   command->add_option("--sensor", arguments->sensor, "Sensor file with the calibrated readout")->required()->type_name("SENSOR");
   command->add_option("-o,--output", arguments->output, "Table of forces to write (CSV)")->required()->type_name("FILE");

@@ -27,7 +27,7 @@ using namespace figures;
 
 namespace {
 
-struct Arguments {
+struct CharacterizeArguments {
   std::vector<std::string> measurements;
   std::string sensor;
   std::string name;
@@ -114,7 +114,7 @@ nlohmann::ordered_json asJson(const Characterization& result) {
   return json;
 }
 
-int runCharacterize(const Arguments& arguments) {
+int runCharacterize(const CharacterizeArguments& arguments) {
   std::vector<Measurement> measurements;
   for (const std::string& file : arguments.measurements) {
     measurements.push_back(loadMeasurement(file));
@@ -172,7 +172,7 @@ void addCharacterize(CLI::App& app, Action& action) {
   command->footer(
       "Example:\n  taxelsim characterize scenes/measurements/*.yaml -o my_sensor.yaml --report my_sensor.html\n"
       "A measurement is a CSV table and a small YAML file that describes it: see docs/measurements.md.");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<CharacterizeArguments>();
   command->add_option("measurements", arguments->measurements, "Measurement files (YAML), all of one sensor")
       ->required()
       ->type_name("MEASUREMENT");

@@ -32,7 +32,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kMaxShownPairs = 6;
 constexpr double kDegrees = 180 / std::numbers::pi;
 
-struct Arguments {
+struct CompareArguments {
   std::string real, simulated, picture;
   std::optional<double> seconds_after_touch;
   bool json = false;
@@ -198,11 +198,6 @@ void printTable(const ImageSource& real, const ImageSource& simulated, const std
   printOut("{}", tableText(rows));
 }
 
-// null for values that are not finite, which JSON cannot represent.
-Json numberOrNull(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
 Json asJson(const ImageSource& source) {
   return {{"file", source.file}, {"sensor", source.sensor->name}, {"images", numRows(source)}};
 }
@@ -270,7 +265,7 @@ void drawFigure(const std::string& file, const ImageSource& real, const ImageSou
                         {.title = fmt::format("{} against {}", simulated.name, real.name), .subtitle = subtitle});
 }
 
-int runCompare(const Arguments& arguments) {
+int runCompare(const CompareArguments& arguments) {
   ImageSource real = loadImages(arguments.real), simulated = loadImages(arguments.simulated);
   matchSensors(real, simulated);
   if (arguments.seconds_after_touch) {
@@ -301,7 +296,7 @@ void addCompare(CLI::App& app, Action& action) {
       "Example:\n  taxelsim compare stamp.yaml out/ --at 5 -o stamp.png\n"
       "Each side is a measurement with images or the directory of a data set. Images are compared row by row; a single image is\n"
       "compared with all images of the other side.");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<CompareArguments>();
   command->add_option("real", arguments->real, "Measurement (YAML) or data set")->required()->type_name("REAL");
   command->add_option("simulated", arguments->simulated, "Measurement (YAML) or data set")->required()->type_name("SIM");
   command->add_option("--at", arguments->seconds_after_touch, "For recordings over time: use the image this long after contact")

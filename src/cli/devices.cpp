@@ -28,7 +28,7 @@ namespace {
 
 constexpr std::uint64_t kPlannedMemory = std::uint64_t{1} << 30;  // bytes
 
-struct Arguments {
+struct DevicesArguments {
   std::string scene;
   SceneOverrides overrides{};
   bool json = false;
@@ -81,7 +81,7 @@ nlohmann::ordered_json asJson(const DeviceInfo& info) {
           {"shared_memory", info.shared_memory}};
 }
 
-int runDevices(const Arguments& arguments) {
+int runDevices(const DevicesArguments& arguments) {
   const std::vector<DeviceInfo> devices = listDevices();
   std::vector<MemoryPlan> plans;
   std::string title;
@@ -127,7 +127,7 @@ int runDevices(const Arguments& arguments) {
 void addDevices(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("devices", "List the Vulkan devices, best first");
   command->footer("Example:\n  taxelsim devices --plan scenes/edge_servo.yaml");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<DevicesArguments>();
   CLI::Option* plan = command->add_option("--plan", arguments->scene, "Print the memory that a batch of this scene needs on each device")
                           ->type_name("SCENE");
   addConditionOption(*command, arguments->overrides)->needs(plan);

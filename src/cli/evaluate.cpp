@@ -28,21 +28,21 @@ using namespace figures;
 
 namespace {
 
-struct Arguments : SceneOptions, PartOptions, WorkerOptions {
+struct EvaluateArguments : SceneOptions, PartOptions, WorkerOptions {
   EvaluationReport report;
   std::vector<std::string> controllers;
   std::vector<double> gains;  // 1/s
 };
 
 // Names of the controllers to evaluate.
-std::vector<std::string> namesOf(const Arguments& arguments, const Scene& scene) {
+std::vector<std::string> namesOf(const EvaluateArguments& arguments, const Scene& scene) {
   if (!arguments.controllers.empty()) return arguments.controllers;
   std::vector<std::string> names;
   for (const SceneController& controller : scene.controllers) names.push_back(controller.name);
   return names;
 }
 
-int mergeParts(const Arguments& arguments) {
+int mergeParts(const EvaluateArguments& arguments) {
   const Scene scene = loadScene(arguments.scene, arguments.overrides);
   if (scene.kind == Scene::Kind::kGrasp) throw Error(ErrorKind::kInput, "--merge: a scene of kind grasp has no parts of an evaluation");
   const std::vector<NamedPart> parts = partsIn(arguments.merged, namesOf(arguments, scene));
@@ -51,7 +51,7 @@ int mergeParts(const Arguments& arguments) {
 }
 
 // Calls options.on_evaluation with the controllers that are complete, also if it throws after them.
-void evaluateAll(const Arguments& arguments, const Team& team, const Scene& scene, const EvaluateOptions& options) {
+void evaluateAll(const EvaluateArguments& arguments, const Team& team, const Scene& scene, const EvaluateOptions& options) {
   if (team.num_processes == 1)
     evaluate(team.device, scene, arguments.controllers, options);
   else
@@ -59,7 +59,7 @@ void evaluateAll(const Arguments& arguments, const Team& team, const Scene& scen
 }
 
 // Plays a part and writes it to its file.
-int playPart(const Arguments& arguments, const Team& team, const Scene& scene, const EvaluateOptions& options, Activity& activity) {
+int playPart(const EvaluateArguments& arguments, const Team& team, const Scene& scene, const EvaluateOptions& options, Activity& activity) {
   const std::filesystem::path file = partFile(arguments.directory, *options.episodes);
   const std::vector<std::string> names = namesOf(arguments, scene);
   const bool is_played = isPlayed(file, scene, deviceText(team.device.info()), names);
@@ -79,7 +79,7 @@ int playPart(const Arguments& arguments, const Team& team, const Scene& scene, c
   return kExitOk;
 }
 
-int runGrasp(const Arguments& arguments, const Scene& scene) {
+int runGrasp(const EvaluateArguments& arguments, const Scene& scene) {
   const auto refuse = [](bool given, const std::string& what) {
     if (given) throw Error(ErrorKind::kInput, what + ": a scene of kind grasp is evaluated by one process, and has no controllers; --gain");
   };
@@ -90,7 +90,7 @@ int runGrasp(const Arguments& arguments, const Scene& scene) {
   return evaluateGraspScene(arguments, scene, arguments.gains, arguments.report);
 }
 
-int runEvaluate(const Arguments& arguments) {
+int runEvaluate(const EvaluateArguments& arguments) {
   if (!arguments.merged.empty()) return mergeParts(arguments);
   const Scene scene = loadSceneOf(arguments, arguments.role.empty());
   if (scene.kind == Scene::Kind::kGrasp) return runGrasp(arguments, scene);
@@ -160,7 +160,7 @@ void addEvaluate(CLI::App& app, Action& action) {
       "  taxelsim evaluate scenes/tasks/align_edge.yaml --episodes 1000000 --part K/16 -o out/\n"
       "  taxelsim evaluate scenes/tasks/align_edge.yaml --episodes 1000000 --merge out/\n"
       "--policy FILE evaluates an ONNX policy in Python; `python3 -m taxelsim evaluate --policy FILE --help` lists its options.");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<EvaluateArguments>();
   addSceneOptions(*command, *arguments, EvaluateOptions{}.batch_size);
   command->add_option("--controller", arguments->controllers, "Name of a controller of the scene; may be repeated. Default: all")
       ->type_name("NAME");

@@ -10,6 +10,7 @@
 #include "cli/activity.h"
 #include "cli/commands.h"
 #include "cli/driver_threads.h"
+#include "cli/evaluation_report.h"
 #include "cli/interrupt.h"
 #include "cli/print.h"
 #include "cli/progress.h"
@@ -30,11 +31,6 @@ std::string successRule(const GraspTask& task) {
                                  task.hold, 100 * task.tolerance);
   if (task.drift) rule += fmt::format(", and its centre of pressure within {:.4g} mm of where it was", 1e3 * *task.drift);
   return rule;
-}
-
-std::string quantilesText(const Quantiles& quantiles, double per_si) {
-  if (std::isnan(quantiles.median)) return "-";
-  return fmt::format("{:.3g} / {:.3g}", quantiles.median * per_si, quantiles.p95 * per_si);
 }
 
 // `gain`: text of its cell.
@@ -64,25 +60,16 @@ void printTable(const Scene& scene, const std::vector<GraspEvaluation>& evaluati
       scene.name, countText(scene.num_episodes), successRule(scene.grasp->task), scene.grasp->task.hold, tableText(rows));
 }
 
-// null for values that are not finite, which JSON cannot represent.
-Json numberOrNull(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
-Json asJson(const Quantiles& quantiles) {
-  return {{"median", numberOrNull(quantiles.median)}, {"p95", numberOrNull(quantiles.p95)}, {"max", numberOrNull(quantiles.max)}};
-}
-
 Json asJson(const FingerScore& score) {
   return {{"name", score.name},
           {"episodes", score.num_episodes},
           {"successes", score.num_held},
           {"success_rate", score.held_rate},
           {"success_rate_95", {score.held_low, score.held_high}},
-          {"settling_time", asJson(score.settling_time)},
-          {"force_error", asJson(score.force_error)},
-          {"drift", asJson(score.drift)},
-          {"peak_force", asJson(score.peak_force)},
+          {"settling_time", quantilesJson(score.settling_time)},
+          {"force_error", quantilesJson(score.force_error)},
+          {"drift", quantilesJson(score.drift)},
+          {"peak_force", quantilesJson(score.peak_force)},
           {"episodes_lost_contact", score.num_lost}};
 }
 

@@ -23,11 +23,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::array<const char*, 4> kRobotBits = {"joint_limit", "velocity_limit", "singular", "lost"};
 
-std::string quantilesText(const Quantiles& quantiles, double per_si) {
-  if (std::isnan(quantiles.median)) return "-";
-  return fmt::format("{:.3g} / {:.3g}", quantiles.median * per_si, quantiles.p95 * per_si);
-}
-
 std::string numberText(TaskMeasure measure, double value) {
   const auto& [unit, per_si] = kTaskMeasureUnits[static_cast<std::size_t>(measure)];
   return fmt::format("{:.4g} {}", value * per_si, unit);
@@ -104,26 +99,17 @@ void printTable(const Scene& scene, const std::vector<Evaluation>& evaluations) 
   printOut("\n");
 }
 
-// null for values that are not finite, which JSON cannot represent.
-Json numberOrNull(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
-Json asJson(const Quantiles& quantiles) {
-  return {{"median", numberOrNull(quantiles.median)}, {"p95", numberOrNull(quantiles.p95)}, {"max", numberOrNull(quantiles.max)}};
-}
-
 Json asJson(const Task& task, const Score& score) {
   Json json{{"name", score.name},
             {"episodes", score.num_episodes},
             {"successes", score.num_successes},
             {"success_rate", score.success_rate},
             {"success_rate_95", {score.success_low, score.success_high}},
-            {"settling_time", asJson(score.settling_time)}};
+            {"settling_time", quantilesJson(score.settling_time)}};
   for (std::size_t m = 0; m < task.criteria.size(); ++m) {
-    if (task.criteria[m]) json["steady_error"][kTaskMeasureNames[m]] = asJson(score.steady_error[m]);
+    if (task.criteria[m]) json["steady_error"][kTaskMeasureNames[m]] = quantilesJson(score.steady_error[m]);
   }
-  json["peak_force"] = asJson(score.peak_force);
+  json["peak_force"] = quantilesJson(score.peak_force);
   json["episodes_lost_contact"] = score.num_lost;
   json["episodes_saturated"] = score.num_saturated;
   for (std::size_t bit = 0; bit < kRobotBits.size(); ++bit) json["episodes_robot"][kRobotBits[bit]] = score.num_robot[bit];
@@ -242,6 +228,15 @@ void warnOfLoads(const Scene& scene, const Evaluation& evaluation) {
 }
 
 }  // namespace
+
+std::string quantilesText(const Quantiles& quantiles, double per_si) {
+  if (std::isnan(quantiles.median)) return "-";
+  return fmt::format("{:.3g} / {:.3g}", quantiles.median * per_si, quantiles.p95 * per_si);
+}
+
+nlohmann::ordered_json quantilesJson(const Quantiles& quantiles) {
+  return {{"median", numberOrNull(quantiles.median)}, {"p95", numberOrNull(quantiles.p95)}, {"max", numberOrNull(quantiles.max)}};
+}
 
 void reportEvaluations(const EvaluationReport& report, const Scene& scene, const std::string& device,
                        const std::vector<Evaluation>& evaluations) {

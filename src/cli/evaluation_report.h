@@ -1,6 +1,7 @@
 // What `taxelsim evaluate` prints and draws.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,10 @@ struct EvaluationReport {
   bool json = false;  // instead of a table
   std::string png;    // figure to write; empty: none
 };
+
+// "median / 95th percentile" in a unit of which `per_si` make one SI unit, and all of them with null for undefined values.
+std::string quantilesText(const Quantiles& quantiles, double per_si);
+nlohmann::ordered_json quantilesJson(const Quantiles& quantiles);
 
 // Prints the evaluations, of which there is at least one, and writes the figure. `device`: name and driver.
 void reportEvaluations(const EvaluationReport& report, const Scene& scene, const std::string& device,

@@ -33,7 +33,7 @@ using namespace figures;
 
 namespace {
 
-struct Arguments {
+struct ExperimentArguments {
   std::string file, directory, device;
   bool json = false;
   bool validation = false;
@@ -182,7 +182,7 @@ nlohmann::ordered_json asJson(const StaticExperiment& experiment, const StaticRe
   return json;
 }
 
-void report(const Arguments& arguments, const Device& device, const StaticExperiment& experiment) {
+void report(const ExperimentArguments& arguments, const Device& device, const StaticExperiment& experiment) {
   Activity activity("running " + experiment.name);
   const StaticResult result = runStaticExperiment(device, experiment);
   activity.end();
@@ -200,7 +200,7 @@ void report(const Arguments& arguments, const Device& device, const StaticExperi
   }
 }
 
-void report(const Arguments& arguments, const Device& device, const ServoExperiment& experiment) {
+void report(const ExperimentArguments& arguments, const Device& device, const ServoExperiment& experiment) {
   Activity activity("running " + experiment.name);
   const ServoResult result = runServoExperiment(device, experiment);
   activity.end();
@@ -214,7 +214,7 @@ void report(const Arguments& arguments, const Device& device, const ServoExperim
   spdlog::info("wrote {} figures to {}", num_figures, arguments.directory);
 }
 
-void report(const Arguments& arguments, const Device& device, const CalibrationExperiment& experiment) {
+void report(const ExperimentArguments& arguments, const Device& device, const CalibrationExperiment& experiment) {
   Activity activity("running " + experiment.name);
   const std::vector<CalibrationCurves> sensors = runCalibrationExperiment(device, experiment);
   activity.end();
@@ -228,7 +228,7 @@ void report(const Arguments& arguments, const Device& device, const CalibrationE
   spdlog::info("wrote 1 figure to {}", arguments.directory);
 }
 
-void report(const Arguments& arguments, const Device& device, const GraspExperiment& experiment) {
+void report(const ExperimentArguments& arguments, const Device& device, const GraspExperiment& experiment) {
   Activity activity("running " + experiment.name);
   const std::vector<GraspRun> runs = runGraspExperiment(device, experiment);
   activity.end();
@@ -243,7 +243,7 @@ void report(const Arguments& arguments, const Device& device, const GraspExperim
 }
 
 // Needs no device.
-void report(const Arguments& arguments, const CharacterizationExperiment& experiment) {
+void report(const ExperimentArguments& arguments, const CharacterizationExperiment& experiment) {
   if (!experiment.missing.empty()) {
     spdlog::warn("{}: skipped, {}", experiment.name, experiment.missing);
     return;
@@ -261,7 +261,7 @@ void report(const Arguments& arguments, const CharacterizationExperiment& experi
   }
 }
 
-int runExperiment(const Arguments& arguments) {
+int runExperiment(const ExperimentArguments& arguments) {
   setDriverThreads(1);
   Activity activity("loading " + arguments.file);
   const Experiment experiment = loadExperiment(arguments.file);
@@ -292,7 +292,7 @@ void addExperiment(CLI::App& app, Action& action) {
       "Static experiments compare the images of each sensor model, in newtons, with those of a reference model. Servo experiments\n"
       "and grasps compare each run with theory where there is one. Calibrations compare force against depth and counts against force\n"
       "with measured values.");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ExperimentArguments>();
   command->add_option("experiment", arguments->file, "Experiment file (YAML)")->required()->type_name("FILE");
   command->add_option("-o,--output", arguments->directory, "Draw figures into this directory")->type_name("DIR");
   command->add_flag("--json", arguments->json, "Print JSON with all results instead of tables");

@@ -33,14 +33,14 @@ namespace {
 constexpr double kDefaultStep = 0.01;  // s, for sensors with a frame at every step
 constexpr int kSlideSteps = 10;        // of --slide
 
-struct Arguments {
+struct FrameArguments {
   std::string sensor, contacts, picture, device;
   ObjectArguments objects;
   bool json = false;
   bool validation = false;
 };
 
-void show(const Arguments& arguments, const Sensor& sensor, const FrameView& frame, const std::string& what) {
+void show(const FrameArguments& arguments, const Sensor& sensor, const FrameView& frame, const std::string& what) {
   if (arguments.json)
     printOut("{}\n", frameJson(sensor, frame));
   else
@@ -54,11 +54,11 @@ double stepOf(const Sensor& sensor) {
   return sensor.frame_rate > 0 ? 1 / sensor.frame_rate : kDefaultStep;
 }
 
-Device openDevice(const Arguments& arguments) {
+Device openDevice(const FrameArguments& arguments) {
   return Device::open({.device = arguments.device, .validation = arguments.validation});
 }
 
-int runContacts(const Arguments& arguments) {
+int runContacts(const FrameArguments& arguments) {
   const ObjectArguments& objects = arguments.objects;
   if (!objects.objects.empty() || !objects.poses.empty() || !objects.rotations.empty() || objects.load || !objects.slide.empty() ||
       objects.has_mesh_options) {
@@ -126,7 +126,7 @@ FrameView pressAndSlide(Simulator& simulator, std::span<const int> ids, std::vec
   return frame;
 }
 
-int runObjects(const Arguments& arguments) {
+int runObjects(const FrameArguments& arguments) {
   const ObjectPlan plan(arguments.objects);
   const Vector3 slide = arguments.objects.slide.empty() ? Vector3{0, 0, 0} : parseSlide(arguments.objects.slide);
   Sensor sensor = loadSensor(arguments.sensor);
@@ -202,7 +202,7 @@ void addFrame(CLI::App& app, Action& action) {
       "Examples:\n  taxelsim frame --sensor scenes/sensors/wts0614_soft_cover.yaml --object sphere:0.01 --pose \"0 0 0.0095\"\n"
       "  taxelsim frame --sensor scenes/sensors/wts0614_soft_cover.yaml --object cylinder:0.008,0.04 --rpy-deg \"90 0 0\" --load 5\n"
       "Poses are of the object in the sensor frame, whose z points out of the skin: here the sphere is 0.5 mm deep.");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<FrameArguments>();
   command->add_option("--sensor", arguments->sensor, "Sensor file (YAML)")->required()->type_name("FILE");
   addObjectOptions(*command, arguments->objects);
   CLI::Option* contacts =

@@ -11,23 +11,24 @@
 namespace taxelsim::cli {
 namespace {
 
-[[noreturn]] void fail(const std::string& message) {
+[[noreturn]] void failArgument(const std::string& message) {
   throw Error(ErrorKind::kInput, message);
 }
 
 void checkCounts(const ObjectArguments& arguments) {
   const std::size_t num_objects = arguments.objects.size(), num_poses = arguments.poses.size(), num_rotations = arguments.rotations.size();
-  if (num_objects == 0) fail("--object with --pose or --load, or --contacts, is required");
+  if (num_objects == 0) failArgument("--object with --pose or --load, or --contacts, is required");
   if (num_objects > static_cast<std::size_t>(kMaxSlots))
-    fail(fmt::format("{} --object: a sensor can touch at most {}", num_objects, kMaxSlots));
+    failArgument(fmt::format("{} --object: a sensor can touch at most {}", num_objects, kMaxSlots));
   if (num_poses != num_objects && !(num_poses == 0 && num_objects == 1)) {
-    fail(fmt::format("{} --object but {} --pose: each object needs its pose, in the same order", num_objects, num_poses));
+    failArgument(fmt::format("{} --object but {} --pose: each object needs its pose, in the same order", num_objects, num_poses));
   }
   if (num_rotations != 0 && num_rotations != num_objects) {
-    fail(fmt::format("{} --object but {} --rpy-deg: give none, or one for each object, in the same order", num_objects, num_rotations));
+    failArgument(
+        fmt::format("{} --object but {} --rpy-deg: give none, or one for each object, in the same order", num_objects, num_rotations));
   }
   if (num_poses == 0 && !arguments.load) {
-    fail(
+    failArgument(
         "--pose is missing: \"x y z\" or \"x y z qw qx qy qz\" of the object in the sensor frame, m and a unit quaternion; only with "
         "--load "
         "an object has a default");
@@ -39,13 +40,13 @@ void checkCounts(const ObjectArguments& arguments) {
 ObjectPlan::ObjectPlan(const ObjectArguments& arguments) : arguments_(arguments), has_positions_(!arguments.poses.empty()) {
   checkCounts(arguments);
   if (arguments.load && !(std::isfinite(*arguments.load) && *arguments.load >= 0)) {
-    fail(fmt::format("--load {}: must be a force of 0 N or more", *arguments.load));
+    failArgument(fmt::format("--load {}: must be a force of 0 N or more", *arguments.load));
   }
   X_SO_.resize(arguments.objects.size());
   for (std::size_t i = 0; i < arguments.poses.size(); ++i) {
     const PoseArgument pose = parsePose(arguments.poses[i]);
     if (pose.rotation && !arguments.rotations.empty()) {
-      fail(fmt::format("--pose \"{}\" has a rotation: --rpy-deg excludes it", arguments.poses[i]));
+      failArgument(fmt::format("--pose \"{}\" has a rotation: --rpy-deg excludes it", arguments.poses[i]));
     }
     X_SO_[i].position = pose.position;
     if (pose.rotation) X_SO_[i].rotation = *pose.rotation;
@@ -62,7 +63,8 @@ std::vector<Object> ObjectPlan::loadObjects(const Sensor& sensor) const {
     objects.push_back(parseObject(text, mesh));
     any_mesh = any_mesh || std::holds_alternative<Mesh>(objects.back().shape);
   }
-  if (arguments_.has_mesh_options && !any_mesh) fail("--scale and --up-axis belong to mesh files; the sizes of solids are in metres");
+  if (arguments_.has_mesh_options && !any_mesh)
+    failArgument("--scale and --up-axis belong to mesh files; the sizes of solids are in metres");
   return objects;
 }
 

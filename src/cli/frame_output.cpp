@@ -19,21 +19,21 @@ namespace taxelsim::cli {
 namespace {
 
 // Numbers are float32: the text of each is the shortest that parses to the same float32.
-using Json = nlohmann::basic_json<nlohmann::ordered_map, std::vector, std::string, bool, std::int64_t, std::uint64_t, float>;
+using FrameJson = nlohmann::basic_json<nlohmann::ordered_map, std::vector, std::string, bool, std::int64_t, std::uint64_t, float>;
 
 template <typename T>
-Json arrayOf(std::span<const T> values) {
-  return Json(std::vector<T>(values.begin(), values.end()));
+FrameJson arrayOf(std::span<const T> values) {
+  return FrameJson(std::vector<T>(values.begin(), values.end()));
 }
 
 // Values per taxel, `width` of each: a list of rows for one grid patch, else a list of taxels.
 template <typename T>
-Json taxelsOf(const Sensor& sensor, std::span<const T> values, std::size_t width = 1) {
-  const auto taxel = [&](std::size_t t) -> Json {
+FrameJson taxelsOf(const Sensor& sensor, std::span<const T> values, std::size_t width = 1) {
+  const auto taxel = [&](std::size_t t) -> FrameJson {
     if (width == 1) return values[t];
     return arrayOf(values.subspan(t * width, width));
   };
-  Json list = Json::array();
+  FrameJson list = FrameJson::array();
   const std::size_t num_taxels = values.size() / width;
   const std::size_t num_cols = sensor.patches.size() == 1 ? static_cast<std::size_t>(sensor.patches[0].num_cols) : 0;
   for (std::size_t t = 0; t < num_taxels; ++t) {
@@ -41,7 +41,7 @@ Json taxelsOf(const Sensor& sensor, std::span<const T> values, std::size_t width
       list.push_back(taxel(t));
       continue;
     }
-    if (t % num_cols == 0) list.push_back(Json::array());
+    if (t % num_cols == 0) list.push_back(FrameJson::array());
     list.back().push_back(taxel(t));
   }
   return list;
@@ -49,20 +49,20 @@ Json taxelsOf(const Sensor& sensor, std::span<const T> values, std::size_t width
 
 constexpr const char* kContactTypes[] = {"none", "point", "edge", "area"};
 
-Json jsonOf(ContactType type) {
+FrameJson jsonOf(ContactType type) {
   return kContactTypes[static_cast<std::size_t>(type)];
 }
 template <typename T>
-Json jsonOf(T value) {
+FrameJson jsonOf(T value) {
   return value;
 }
 
 // One row of a feature: a value, or an array of `width` values.
-Json rowOf(const FeatureValues& values, std::size_t width, std::size_t row) {
+FrameJson rowOf(const FeatureValues& values, std::size_t width, std::size_t row) {
   return std::visit(
       [&](const auto& all) {
         if (width == 1) return jsonOf(all[row]);
-        Json list = Json::array();
+        FrameJson list = FrameJson::array();
         for (const auto value : all.subspan(width * row, width)) list.push_back(jsonOf(value));
         return list;
       },
@@ -70,7 +70,7 @@ Json rowOf(const FeatureValues& values, std::size_t width, std::size_t row) {
 }
 
 template <typename Field, typename View>
-void addFeatures(Json& json, std::span<const Field> table, const View& view, std::size_t row = 0) {
+void addFeatures(FrameJson& json, std::span<const Field> table, const View& view, std::size_t row = 0) {
   for (const Field& field : table) json[std::string(field.name)] = rowOf(field.values(view), field.width, row);
 }
 
@@ -79,8 +79,8 @@ std::size_t numRegionRows(const ContactFeatureView& contact) {
   return static_cast<std::size_t>(std::min(contact.num_regions[0], static_cast<std::int32_t>(kMaxRegions)));
 }
 
-Json contactRow(const ContactFeatureView& contact, std::size_t row) {
-  Json json;
+FrameJson contactRow(const ContactFeatureView& contact, std::size_t row) {
+  FrameJson json;
   json["contact_type"] = nullptr;  // these two are first
   json["patch"] = nullptr;
   addFeatures(json, imageFeatures(), contact, row);
@@ -88,20 +88,20 @@ Json contactRow(const ContactFeatureView& contact, std::size_t row) {
   return json;
 }
 
-Json contactJson(const ContactFeatureView& contact) {
-  Json json;
+FrameJson contactJson(const ContactFeatureView& contact) {
+  FrameJson json;
   json["sensor"] = contactRow(contact, 0);
-  json["patches"] = Json::array();
+  json["patches"] = FrameJson::array();
   const auto num_patches = static_cast<std::size_t>(contact.num_patches);
   for (std::size_t p = 0; p < num_patches; ++p) json["patches"].push_back(contactRow(contact, 1 + p));
   addFeatures(json, regionFeatures(), contact);
-  json["regions"] = Json::array();
+  json["regions"] = FrameJson::array();
   for (std::size_t r = 0; r < numRegionRows(contact); ++r) json["regions"].push_back(contactRow(contact, 1 + num_patches + r));
   return json;
 }
 
 // Integers and flags among these features are written as floats, 1.0: the form of the first version.
-void addTruth(Json& json, const GroundTruthView& truth) {
+void addTruth(FrameJson& json, const GroundTruthView& truth) {
   for (const FeatureField<GroundTruthView>& field : truthFeatures()) {
     std::visit(
         [&](const auto& values) {
@@ -117,7 +117,7 @@ void addTruth(Json& json, const GroundTruthView& truth) {
 }  // namespace
 
 std::string frameJson(const Sensor& sensor, const FrameView& frame) {
-  Json json;
+  FrameJson json;
   json["sensor"] = sensor.name;
   json["tactile_image"] = taxelsOf(sensor, frame.tactile_image);
   if (!frame.taxel_counts.empty()) json["taxel_counts"] = taxelsOf(sensor, frame.taxel_counts, 3);
@@ -125,7 +125,7 @@ std::string frameJson(const Sensor& sensor, const FrameView& frame) {
   addFeatures(json, readoutFeatures(), frame);
   json["contact"] = contactJson(frame.contact);
   const GroundTruthView& truth = frame.ground_truth;
-  Json& clean = json["ground_truth"];
+  FrameJson& clean = json["ground_truth"];
   clean["tactile_normal_force"] = taxelsOf(sensor, truth.tactile_normal_force);
   clean["tactile_shear_force"] = taxelsOf(sensor, truth.tactile_shear_force, 2);
   if (!truth.penetration_depth.empty()) clean["penetration_depth"] = taxelsOf(sensor, truth.penetration_depth);

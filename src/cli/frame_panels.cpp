@@ -19,7 +19,7 @@ using namespace figures;
 namespace {
 
 constexpr std::size_t kTaxelsPerLine = 16;  // for sensors without a single grid
-constexpr const char* kTime = "data/time";
+constexpr const char* kTimeColumn = "data/time";
 constexpr std::array kShown{kTactileImage, kTaxelCounts,      "total_force",        "ground_truth/total_force",
                             "edge_angle",  "edge_confidence", "center_of_pressure", "eigenvalues"};
 
@@ -72,7 +72,7 @@ FramePanels::FramePanels(const DatasetReader& reader, std::string group, std::ve
     const Column* const column = findColumn(manifest_, name);
     if (column != nullptr && !column->per_episode) columns_[key] = reader.readAsDouble(name, first, count);
   };
-  readColumn(kTime, kTime);
+  readColumn(kTimeColumn, kTimeColumn);
   for (const char* const name : kShown) readColumn(name, group_ + name);
 }
 
@@ -160,7 +160,7 @@ std::string FramePanels::forceText(const TactilePanel& panel, std::uint64_t fram
 
 std::string FramePanels::captionOf(const TactilePanel& panel, std::uint64_t frame) const {
   std::vector<std::string> parts;
-  if (const auto time = row(kTime, frame, 1); !time.empty()) parts.push_back(fmt::format("{:.3f} s", time[0]));
+  if (const auto time = row(kTimeColumn, frame, 1); !time.empty()) parts.push_back(fmt::format("{:.3f} s", time[0]));
   parts.push_back(forceText(panel, frame));
   const auto confidence = row("edge_confidence", frame, 1);
   const bool undefined = !confidence.empty() && !(confidence[0] > 0);

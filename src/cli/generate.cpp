@@ -24,7 +24,7 @@ using namespace figures;
 
 namespace {
 
-struct Arguments : SceneOptions, ShardOptions, WorkerOptions {
+struct GenerateArguments : SceneOptions, ShardOptions, WorkerOptions {
   std::string directory;
   bool repair = false;
 };
@@ -48,7 +48,7 @@ std::string shardsText(const ShardRange& shards, std::uint64_t num_shards) {
 }
 
 // Processes that this scene can use of `num_processes`.
-int usableWorkers(const Arguments& arguments, const Scene& scene, const GenerateOptions& options, int num_processes) {
+int usableWorkers(const GenerateArguments& arguments, const Scene& scene, const GenerateOptions& options, int num_processes) {
   const bool is_grasp = scene.kind == Scene::Kind::kGrasp;
   if (is_grasp && arguments.num_workers.value_or(1) > 1)
     throw Error(ErrorKind::kInput, fmt::format("--workers: {} found, one process makes the data set of a scene of kind grasp; 1 allowed",
@@ -56,7 +56,7 @@ int usableWorkers(const Arguments& arguments, const Scene& scene, const Generate
   return is_grasp ? 1 : workers::fittingWorkers(scene, options, num_processes);
 }
 
-int runGenerate(const Arguments& arguments) {
+int runGenerate(const GenerateArguments& arguments) {
   const Scene scene = loadSceneOf(arguments, arguments.role.empty());
   const std::uint64_t num_shards = (scene.num_episodes + scene.episodes_per_shard - 1) / scene.episodes_per_shard;
   const std::optional<ShardRange> shards = chosenShards(arguments, num_shards);
@@ -130,7 +130,7 @@ void addGenerate(CLI::App& app, Action& action) {
       "  taxelsim generate scenes/edge_servo.yaml -o out/ --episodes 100000 --part K/16\n"
       "  taxelsim finish out/\n"
       "Ctrl-C stops and keeps complete shards. The bytes of the data set do not depend on batch size or device memory.");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<GenerateArguments>();
   addSceneOptions(*command, *arguments, GenerateOptions{}.batch_size);
   command->add_option("-o,--output", arguments->directory, "Directory of the data set; created if missing")->required()->type_name("DIR");
   addShardOptions(*command, *arguments);

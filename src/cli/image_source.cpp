@@ -13,7 +13,7 @@ namespace taxelsim::cli {
 namespace {
 
 constexpr const char* kImage = "data/tactile_image";
-constexpr std::uint64_t kFramesAtOnce = 4096;
+constexpr std::uint64_t kFramesRead = 4096;
 
 // The scene of a data set holds the whole sensor, except files with its taxels (a mesh, a URDF).
 std::optional<Sensor> sensorOf(const Manifest& manifest) {
@@ -41,8 +41,8 @@ ImageSource loadDataSet(const std::filesystem::path& directory) {
   if (source.sensor && source.images.num_taxels != static_cast<std::size_t>(numTaxels(*source.sensor))) {
     throw Error(ErrorKind::kInput, directory.string() + ": has several sensors per instance, whose images cannot be compared");
   }
-  for (std::uint64_t first = 0; first < reader.numFrames(); first += kFramesAtOnce) {
-    for (const double counts : reader.readAsDouble(kImage, first, std::min(kFramesAtOnce, reader.numFrames() - first))) {
+  for (std::uint64_t first = 0; first < reader.numFrames(); first += kFramesRead) {
+    for (const double counts : reader.readAsDouble(kImage, first, std::min(kFramesRead, reader.numFrames() - first))) {
       source.images.counts.push_back(static_cast<float>(counts));
     }
   }

@@ -28,7 +28,7 @@ namespace {
 
 constexpr std::size_t kValuesAtOnce = std::size_t{1} << 20;
 
-struct Arguments {
+struct InspectArguments {
   std::string directory;
   bool json = false;
   bool quick = false;
@@ -263,7 +263,7 @@ std::vector<std::string> rowOf(const Column& column, const Statistics& statistic
           countText(statistics.num_non_finite)};
 }
 
-int runInspect(const Arguments& arguments) {
+int runInspect(const InspectArguments& arguments) {
   const Manifest manifest = readManifest(arguments.directory);
   const bool contents = manifest.format_version > 1 ? arguments.verify : !arguments.quick;
   const Shards shards = sorted(checkShards(arguments.directory, contents, /*isolated=*/true));
@@ -326,7 +326,7 @@ void addInspect(CLI::App& app, Action& action) {
       "Example:\n  taxelsim inspect out/\n"
       "Compares every shard with its size and time in dataset.checksums, and those that changed with their SHA-256; reads all values of a "
       "small data set, and of up to 16 shards of a large one. Exit status 2 if a shard or dataset.h5 is broken; lists missing shards.");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<InspectArguments>();
   command->add_option("directory", arguments->directory, "Directory of the data set")->required()->type_name("DIR");
   command->add_flag("--json", arguments->json, "Print JSON");
   command->add_flag("--verify", arguments->verify, "Compare every shard with its SHA-256, in parallel, and read all values");

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "base/constants.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim::cli {
@@ -14,7 +15,6 @@ namespace {
 
 constexpr double kQuaternionTolerance = 1e-3;  // as in Simulator::setObjects()
 constexpr double kFullTurn = 360;              // degrees
-constexpr double kDegree = std::numbers::pi / 180;
 
 // The numbers of one argument. `what`: the forms that are allowed, for messages.
 struct Argument {
@@ -67,8 +67,8 @@ Quaternion parseRollPitchYaw(const std::string& text) {
   for (const double angle : degrees) {
     if (!(std::abs(angle) <= kFullTurn)) throw argument.refuse(fmt::format("{:g} is not allowed: from -360 to 360", angle));
   }
-  return axisAngle({0, 0, 1}, degrees[2] * kDegree) * axisAngle({0, 1, 0}, degrees[1] * kDegree) *
-         axisAngle({1, 0, 0}, degrees[0] * kDegree);
+  return axisAngle({0, 0, 1}, degrees[2] * kRadPerDegree) * axisAngle({0, 1, 0}, degrees[1] * kRadPerDegree) *
+         axisAngle({1, 0, 0}, degrees[0] * kRadPerDegree);
 }
 
 Vector3 parseSlide(const std::string& text) {

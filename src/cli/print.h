@@ -3,6 +3,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -19,6 +20,11 @@ void printOut(fmt::format_string<Args...> format, Args&&... args) {
 // JSON in ASCII and a newline; bytes that are not UTF-8 are replaced. `indent`: spaces a level; -1 for one line.
 inline void printJsonText(const nlohmann::ordered_json& json, int indent = 2) {
   fmt::print("{}\n", json.dump(indent, ' ', true, nlohmann::ordered_json::error_handler_t::replace));
+}
+
+// null for values that are not finite, which JSON cannot represent.
+inline nlohmann::ordered_json numberOrNull(double value) {
+  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
 }
 
 }  // namespace taxelsim::cli

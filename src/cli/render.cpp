@@ -35,7 +35,7 @@ constexpr double kRounding = 1e-6;             // relative, of the time between 
 constexpr const char* kStream = "-";
 constexpr const char* kObjectName = "meta/object_name";
 
-struct Arguments {
+struct RenderArguments {
   std::string directory, picture, sensor;
   int num_frames = 12;
   std::uint64_t episode = 0;
@@ -58,7 +58,7 @@ std::vector<std::uint64_t> episodeNumbers(const DatasetReader& reader) {
 }
 
 // Index of the episode that --episode names.
-std::size_t rowOf(const Arguments& arguments, const std::vector<std::uint64_t>& numbers) {
+std::size_t rowOf(const RenderArguments& arguments, const std::vector<std::uint64_t>& numbers) {
   const auto found = std::find(numbers.begin(), numbers.end(), arguments.episode);
   if (found != numbers.end()) return static_cast<std::size_t>(found - numbers.begin());
   static constexpr std::size_t kMost = 8;
@@ -98,7 +98,8 @@ class Titles {
 
 // Counts of the brightest colour: those of the whole data set, so that all its pictures and videos have one scale. A broken shard elsewhere
 // leaves the frames [begin, end) of an episode.
-double rangeOf(const Arguments& arguments, const DatasetReader& reader, const std::string& column, std::uint64_t begin, std::uint64_t end) {
+double rangeOf(const RenderArguments& arguments, const DatasetReader& reader, const std::string& column, std::uint64_t begin,
+               std::uint64_t end) {
   if (arguments.range > 0) return arguments.range;
   try {
     return countsRange(reader, column, 0, reader.numFrames());
@@ -109,7 +110,7 @@ double rangeOf(const Arguments& arguments, const DatasetReader& reader, const st
   }
 }
 
-FigureOptions optionsOf(const Arguments& arguments, const DatasetReader& reader, std::uint64_t begin, std::uint64_t end) {
+FigureOptions optionsOf(const RenderArguments& arguments, const DatasetReader& reader, std::uint64_t begin, std::uint64_t end) {
   const Manifest& manifest = reader.manifest();
   const std::string group = imageGroup(manifest, arguments.sensor, arguments.directory);
   const std::string name = sceneName(manifest), column = shownColumn(manifest, group);
@@ -122,7 +123,7 @@ FigureOptions optionsOf(const Arguments& arguments, const DatasetReader& reader,
 }
 
 // Draws evenly spaced frames out of [begin, end), with the first and the last one.
-void drawFigure(const Arguments& arguments, const DatasetReader& reader, Titles& titles, std::uint64_t begin, std::uint64_t end) {
+void drawFigure(const RenderArguments& arguments, const DatasetReader& reader, Titles& titles, std::uint64_t begin, std::uint64_t end) {
   const std::uint64_t count = std::min<std::uint64_t>(end - begin, static_cast<std::uint64_t>(arguments.num_frames));
   const std::vector<TaxelOutline> outlines = outlinesOf(reader.manifest());
   const std::string group = imageGroup(reader.manifest(), arguments.sensor, arguments.directory);
@@ -146,7 +147,7 @@ std::uint64_t strideOf(const DatasetReader& reader, double rate, std::uint64_t b
 }
 
 // Writes pictures of the frames [begin, end) of an episode to standard output, all with one colour scale, each with its time.
-void streamPictures(const Arguments& arguments, const DatasetReader& reader, Titles& titles, std::uint64_t begin, std::uint64_t end) {
+void streamPictures(const RenderArguments& arguments, const DatasetReader& reader, Titles& titles, std::uint64_t begin, std::uint64_t end) {
   const Column* const time = findColumn(reader.manifest(), "data/time");
   if (time == nullptr || time->per_episode || !time->shape.empty())
     throw Error(ErrorKind::kInput, arguments.directory + ": no column data/time with one number per frame");
@@ -167,7 +168,7 @@ void streamPictures(const Arguments& arguments, const DatasetReader& reader, Tit
   }
 }
 
-int runRender(const Arguments& arguments, bool one_episode) {
+int runRender(const RenderArguments& arguments, bool one_episode) {
   const bool is_stream = arguments.picture == kStream;
   if (is_stream && !one_episode) throw Error(ErrorKind::kInput, "--output -: needs --episode, whose frames it writes");
   if (is_stream && ::isatty(STDOUT_FILENO) != 0)
@@ -200,7 +201,7 @@ void addRender(CLI::App& app, Action& action) {
       "`pip install 'taxelsim[video]'`.\n"
       "-o - writes the pictures of an episode to standard output, as PPM, for other programs:\n"
       "  taxelsim render out/ -o - --episode 3 --rate 25 | ffmpeg -f image2pipe -c:v ppm -framerate 25 -i - out.mkv");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<RenderArguments>();
   command->add_option("directory", arguments->directory, "Directory of the data set")->required()->type_name("DIR");
   command
       ->add_option("-o,--output", arguments->picture, "Figure to write (PNG), video to write (MP4, GIF), or - for a stream of PPM pictures")

@@ -35,7 +35,7 @@ constexpr double kPinDepth = 0.001;                                  // m
 constexpr double kHexagonArea = 124e-6;                              // m^2
 constexpr double kHexagonLoad = 0.5 * 9.80665;                       // N, 500 g
 
-struct Arguments {
+struct StiffnessArguments {
   std::optional<double> youngs_modulus, shore_a, pin_force, pin_depth, pin_diameter, taxel_stiffness, area_stiffness, match_pin_diameter;
   std::string pitch, law;
   double thickness = 0;
@@ -45,7 +45,7 @@ struct Arguments {
 };
 
 // Exactly one option, or the three of a pin, says how stiff the skin is.
-void checkOptions(const Arguments& a) {
+void checkOptions(const StiffnessArguments& a) {
   std::vector<std::string> given;
   if (a.youngs_modulus) given.push_back("--youngs-modulus");
   if (a.shore_a) given.push_back("--shore-a");
@@ -83,7 +83,7 @@ std::array<double, 2> parsePitch(const std::string& text) {
   return pitch;
 }
 
-SkinData dataOf(const Arguments& a) {
+SkinData dataOf(const StiffnessArguments& a) {
   SkinData data{.thickness = a.thickness, .poisson_ratio = a.poisson_ratio};
   if (a.pin_force) {
     data.stiffness = PinPress{*a.pin_force, *a.pin_depth, *a.pin_diameter};
@@ -102,7 +102,7 @@ struct Assumptions {
   std::string springs, layer;
 };
 
-Assumptions assumptionsOf(const Arguments& a) {
+Assumptions assumptionsOf(const StiffnessArguments& a) {
   const std::string wide = "a contact much wider than the skin is thick";
   if (a.pin_force) {
     return {"independent springs: pin force / (pin area x pin depth)",
@@ -202,7 +202,7 @@ double roundedNumber(double value) {
   return std::strtod(fmt::format("{:.6g}", value).c_str(), nullptr);
 }
 
-void printText(const Arguments& arguments, const SkinStiffness& stiffness, const std::vector<Skin>& skins) {
+void printText(const StiffnessArguments& arguments, const SkinStiffness& stiffness, const std::vector<Skin>& skins) {
   const Assumptions assumptions = assumptionsOf(arguments);
   const Material& material = stiffness.material;
   std::string head = fmt::format(
@@ -252,7 +252,7 @@ nlohmann::ordered_json jsonOf(const Skin& skin) {
   return json;
 }
 
-void printJson(const Arguments& arguments, const SkinStiffness& stiffness, const std::vector<Skin>& skins) {
+void printJson(const StiffnessArguments& arguments, const SkinStiffness& stiffness, const std::vector<Skin>& skins) {
   const Assumptions assumptions = assumptionsOf(arguments);
   const Predictions predictions = predict(skins);
   const auto depthJson = [&](double depth) { return depth <= stiffness.thickness ? nlohmann::ordered_json(depth) : nullptr; };
@@ -295,7 +295,7 @@ void printJson(const Arguments& arguments, const SkinStiffness& stiffness, const
   throw Error(ErrorKind::kInput, fmt::format("--{}: {}", option, error.reason()));
 }
 
-int runStiffness(const Arguments& arguments) {
+int runStiffness(const StiffnessArguments& arguments) {
   checkOptions(arguments);
   try {
     const SkinStiffness stiffness = skinStiffness(dataOf(arguments));
@@ -310,7 +310,7 @@ int runStiffness(const Arguments& arguments) {
   return kExitOk;
 }
 
-void addSources(CLI::App& command, Arguments& arguments) {
+void addSources(CLI::App& command, StiffnessArguments& arguments) {
   command.add_option("--youngs-modulus", arguments.youngs_modulus, "Young's modulus of the skin, Pa")->type_name("PA");
   command
       .add_option("--shore-a", arguments.shore_a,
@@ -335,7 +335,7 @@ void addStiffness(CLI::App& app, Action& action) {
       "Examples:\n  taxelsim stiffness --shore-a 30 --thickness 0.002\n"
       "  taxelsim stiffness --pin-force 2 --pin-depth 0.001 --pin-diameter 0.001 --thickness 0.002 --law winkler\n"
       "Prints the block `skin` of a sensor file for each law, and what the laws predict. docs/stiffness.md has the formulas.");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<StiffnessArguments>();
   addSources(*command, *arguments);
   command->add_option("--thickness", arguments->thickness, "Thickness of the skin, m")->required()->type_name("M");
   command->add_option("--poisson-ratio", arguments->poisson_ratio, "Poisson's ratio of the skin, 0 to below 0.5")

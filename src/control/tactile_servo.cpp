@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/constants.h"
 #include "base/sin_cos.h"
 #include "base/vector3.h"
 #include "control/line_angle.h"
@@ -13,8 +14,6 @@
 
 namespace taxelsim {
 namespace {
-
-constexpr double kUndefined = std::numeric_limits<double>::quiet_NaN();
 
 // Approach speed without contact, as a fraction of max_linear_velocity: the sensor must not cross the skin in one control period.
 constexpr double kApproachFraction = 0.1;
@@ -104,7 +103,7 @@ TactileServoController::TactileServoController(std::span<const TactileServo> ser
 void TactileServoController::reset(int instance, int servo, std::optional<double> exploration_velocity) {
   PidState& pid = pid_states_[static_cast<std::size_t>(instance)];
   pid.integral.fill(0);
-  pid.error.fill(kUndefined);
+  pid.error.fill(kNaN);
   pid.servo = servo;
   pid.exploration_velocity = exploration_velocity.value_or(servos_[static_cast<std::size_t>(servo)].exploration_velocity);
 }
@@ -120,7 +119,7 @@ double TactileServoController::contactStiffness(double force, double area) const
 // Reference - value of each feature; NaN if the feature is not selected or not available.
 TactileServoController::Features TactileServoController::featureErrors(const TactileServo& servo, const ContactState& contact) const {
   Features error;
-  error.fill(kUndefined);
+  error.fill(kNaN);
   const auto set = [&](ServoFeature feature, double default_reference, double value) {
     if (servo[feature].selected) error[at(feature)] = servo[feature].reference.value_or(default_reference) - value;
   };
@@ -242,7 +241,7 @@ Twist TactileServoController::explorationTwist(const PreparedServo& servo, const
 
 Twist TactileServoController::commandInstance(const PreparedServo& servo, const ContactState& contact, double dt, PidState& pid) const {
   if (contact.force <= 0 || contact.area <= 0) {
-    pid.error.fill(kUndefined);
+    pid.error.fill(kNaN);
     Twist twist;
     if (servo[ServoFeature::kTotalForce].selected && forceReference(servo, contact.start_force) > 0) {
       twist.v[2] = kApproachFraction * servo.max_linear_velocity;

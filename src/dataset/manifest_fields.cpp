@@ -10,11 +10,7 @@
 #include "taxelsim/error.h"
 
 namespace taxelsim::dataset {
-namespace {
-
-constexpr std::size_t kMaxShown = 40;  // bytes of a value that a message repeats
-
-}  // namespace
+namespace {}  // namespace
 
 Fields::Fields(const std::string& file, const YamlTree& map) : file_(file), map_(map) {
   if (map.kind != YamlTree::Kind::kMap) fail(map, "is not a mapping");

@@ -8,7 +8,7 @@
 namespace taxelsim::dataset {
 namespace {
 
-constexpr std::size_t kMaxShown = 60;         // bytes of a value
+constexpr std::size_t kMaxShownValue = 60;    // bytes of a value
 constexpr std::size_t kShownBeforeDiff = 20;  // bytes of a long value before the first difference
 
 // Key path and value of a line.
@@ -54,12 +54,12 @@ Setting settingAt(const std::vector<std::string_view>& lines, std::size_t index)
   return setting;
 }
 
-// At most kMaxShown bytes of `text`, around the byte `place`.
+// At most kMaxShownValue bytes of `text`, around the byte `place`.
 std::string shortened(const std::string& text, std::size_t place) {
-  if (text.size() <= kMaxShown) return oneLine(text);
-  const std::size_t first = place < kMaxShown - kShownBeforeDiff ? 0 : place - kShownBeforeDiff;
-  const std::string shown = (first > 0 ? "..." : "") + text.substr(first, kMaxShown);
-  return oneLine(shown + (first + kMaxShown < text.size() ? "..." : ""));
+  if (text.size() <= kMaxShownValue) return oneLine(text);
+  const std::size_t first = place < kMaxShownValue - kShownBeforeDiff ? 0 : place - kShownBeforeDiff;
+  const std::string shown = (first > 0 ? "..." : "") + text.substr(first, kMaxShownValue);
+  return oneLine(shown + (first + kMaxShownValue < text.size() ? "..." : ""));
 }
 
 std::string described(const Setting& setting) {

@@ -14,7 +14,7 @@
 namespace taxelsim::dataset {
 namespace {
 
-constexpr std::size_t kMetadataBytes = 4096;                // headers and attributes of a shard, estimate
+constexpr std::size_t kShardMetadataBytes = 4096;           // headers and attributes of a shard, estimate
 constexpr std::size_t kColumnMetadataBytes = 640;           // the same of each column, without its texts
 constexpr std::size_t kPieceBytes = std::size_t{16} << 20;  // of a column that is verified
 constexpr std::size_t kFilesPerChild = 256;                 // HDF5 keeps some memory of each file
@@ -22,7 +22,7 @@ constexpr const char* kHashAttribute = "sha256";
 
 // For compressed columns HDF5 places chunk indices between the rows, regardless of the size of the metadata block.
 std::size_t metadataBytes(const Manifest& manifest) {
-  std::size_t bytes = kMetadataBytes;
+  std::size_t bytes = kShardMetadataBytes;
   if (manifest.compression > 0) return bytes;
   for (const Column& column : manifest.columns) {
     bytes += kColumnMetadataBytes + column.unit.size() + column.description.size();

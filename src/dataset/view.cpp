@@ -10,7 +10,7 @@
 namespace taxelsim::dataset {
 namespace {
 
-constexpr std::size_t kMetadataBytes = 2048;  // HDF5's default
+constexpr std::size_t kViewMetadataBytes = 2048;  // HDF5's default
 
 void writeVirtualColumn(FileImage& image, const Column& column, const std::vector<std::vector<std::uint64_t>>& shard_ends) {
   std::vector<hsize_t> shape{0};
@@ -48,7 +48,7 @@ FileContent viewImage(const Manifest& manifest, const std::vector<std::vector<st
   }
   try {
     const Hdf5Session session;
-    FileImage image(H5F_LIBVER_V110, kMetadataBytes);  // the first version with virtual data sets
+    FileImage image(H5F_LIBVER_V110, kViewMetadataBytes);  // the first version with virtual data sets
     writeAttribute(image.file(), "format_version", manifest.format_version);
     writeAttribute(image.file(), "num_shards", shard_ends.size());
     writeAttribute(image.file(), "num_episodes", ends.size());

@@ -1,4 +1,5 @@
 #include "episodes/clearance.h"
+#include "base/constants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +7,6 @@
 
 namespace taxelsim {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Box around the taxels, in S.
 Bounds taxelBounds(const Sensor& sensor) {

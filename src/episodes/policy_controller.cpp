@@ -4,6 +4,7 @@
 #include <limits>
 #include <string>
 
+#include "base/constants.h"
 #include "episodes/environment_view.h"
 #include "scene/scene_checks.h"
 #include "taxelsim/error.h"
@@ -12,8 +13,7 @@ namespace taxelsim {
 namespace {
 
 // A row that the policy does not write is refused like any other value that is not finite.
-constexpr double kUnwritten = std::numeric_limits<double>::quiet_NaN();
-constexpr Twist kUnwrittenTwist{.v = {kUnwritten, kUnwritten, kUnwritten}, .w = {kUnwritten, kUnwritten, kUnwritten}};
+constexpr Twist kUnwrittenTwist{.v = {kNaN, kNaN, kNaN}, .w = {kNaN, kNaN, kNaN}};
 
 [[noreturn]] void refuse(const Policy& policy, const std::string& reason) {
   throw Error(ErrorKind::kInput, "policy " + policy.name + ": " + reason);
@@ -62,7 +62,7 @@ void PolicyController::command(EpisodeBatch& batch) {
   if (due_.empty()) return;
   const PolicyInput input{.view = viewOf(batch), .instances = due_, .first_instance = first_instance_};
   std::fill(twists_.begin(), twists_.end(), kUnwrittenTwist);
-  std::fill(joint_velocities_.begin(), joint_velocities_.end(), kUnwritten);
+  std::fill(joint_velocities_.begin(), joint_velocities_.end(), kNaN);
   if (policy_.act) {
     policy_.act(input, twists_);
   } else {

@@ -5,17 +5,15 @@
 #include <limits>
 #include <numbers>
 
+#include "base/constants.h"
 #include "base/vector3.h"
 
 namespace taxelsim {
 namespace {
 
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
-
 // Upper median; NaN if empty.
 float upperMedian(std::vector<float> values) {
-  if (values.empty()) return static_cast<float>(kUnknown);
+  if (values.empty()) return static_cast<float>(kNaN);
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
@@ -34,7 +32,7 @@ TaskJudge::TaskJudge(const EpisodePlan& plan, int num_instances)
       num_hold_frames_(holdFrames(plan)),
       array_middle_(arrayMiddle(plan.scene.sensor)),
       states_(num_instances),
-      errors_(static_cast<std::size_t>(num_instances) * kNumTaskMeasures, kUnknown),
+      errors_(static_cast<std::size_t>(num_instances) * kNumTaskMeasures, kNaN),
       within_(num_instances, 0),
       contact_(num_instances, 0),
       travel_(num_instances, 0.0f),
@@ -53,8 +51,8 @@ void TaskJudge::begin(int instance, const EpisodeRecord& record) {
   state.verdict = {.episode = record.episode, .object = record.object, .load_reached = record.load_reached != 0};
   state.start_force = record.start_force;
   state.frame = 0;
-  state.within_since = kUnknown;
-  state.arc = kUnknown;
+  state.within_since = kNaN;
+  state.arc = kNaN;
   state.progress = 0;
   for (std::vector<float>& errors : state.final_errors) errors.clear();
   contact_[instance] = 0;
@@ -63,10 +61,10 @@ void TaskJudge::begin(int instance, const EpisodeRecord& record) {
 // Infinite where the error is undefined, NaN for measures without a criterion.
 void TaskJudge::updateErrors(std::size_t i, const FrameView& view, std::size_t row, const ProjectedEdge& edge) {
   const std::span<double> errors = std::span(errors_).subspan(i * kNumTaskMeasures, kNumTaskMeasures);
-  std::fill(errors.begin(), errors.end(), kUnknown);
+  std::fill(errors.begin(), errors.end(), kNaN);
   const auto set = [&](TaskMeasure measure, double error) {
     if (!task_[measure]) return;
-    errors[static_cast<std::size_t>(measure)] = contact_[i] && std::isfinite(error) ? std::abs(error) : kInfinite;
+    errors[static_cast<std::size_t>(measure)] = contact_[i] && std::isfinite(error) ? std::abs(error) : kInfinity;
   };
   const auto reference = [&](TaskMeasure measure, double otherwise) {
     return task_[measure] ? task_[measure]->reference.value_or(otherwise) : 0;
@@ -108,7 +106,7 @@ void TaskJudge::judgeFrame(const FrameView& view, const FrameContext& context, s
   verdict.robot |= context.robot_status[i];
 
   const TrueEdge& true_edge = plan_.edges[static_cast<std::size_t>(verdict.object)];
-  const ProjectedEdge edge = needs_edge_ ? true_edge.project(context.X_SO[row]) : ProjectedEdge{kUnknown, kUnknown, kUnknown};
+  const ProjectedEdge edge = needs_edge_ ? true_edge.project(context.X_SO[row]) : ProjectedEdge{kNaN, kNaN, kNaN};
   updateMotion(state, context.X_SO[row], edge.arc);
   updateErrors(i, view, row, edge);
 
@@ -122,7 +120,7 @@ void TaskJudge::judgeFrame(const FrameView& view, const FrameContext& context, s
   }
   within_[i] = within;
   if (!within) {
-    state.within_since = kUnknown;
+    state.within_since = kNaN;
   } else if (std::isnan(state.within_since)) {
     state.within_since = context.times[i];
   }

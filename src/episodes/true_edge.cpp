@@ -5,18 +5,18 @@
 #include <limits>
 #include <numbers>
 
+#include "base/constants.h"
 #include "base/vector3.h"
 
 namespace taxelsim {
 namespace {
 
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMinProjection = 1e-9;  // length of a projected unit direction below which the angle is undefined
 // Excess of a squared distance over the smallest one so far at which its root cannot be the smaller one: some roundings of a double.
 constexpr double kFarther = 1 + 1e-12;
 
 double lineAngle(double x, double y) {
-  if (std::hypot(x, y) < kMinProjection) return kUnknown;
+  if (std::hypot(x, y) < kMinProjection) return kNaN;
   const double angle = std::remainder(std::atan2(y, x), std::numbers::pi);
   return angle <= -std::numbers::pi / 2 ? angle + std::numbers::pi : angle;
 }
@@ -33,7 +33,7 @@ TrueEdge::TrueEdge(const SceneObject& object) : direction_(object.edge), contour
 ProjectedEdge TrueEdge::project(const Pose& X_SO) const {
   if (direction_) {
     const Vector3 along = rotate(X_SO.rotation, *direction_);
-    return {lineAngle(along[0], along[1]), kUnknown, kUnknown};
+    return {lineAngle(along[0], along[1]), kNaN, kNaN};
   }
   // Axes of the plane in O.
   const Quaternion R_OS = inverse(X_SO).rotation;
@@ -60,7 +60,7 @@ ProjectedEdge TrueEdge::project(const Pose& X_SO) const {
     from[0] = to[0];
     from[1] = to[1];
   }
-  if (nearest.end == 0) return {kUnknown, kUnknown, kUnknown};
+  if (nearest.end == 0) return {kNaN, kNaN, kNaN};
   const double arc = arc_[nearest.end - 1] + nearest.part * (arc_[nearest.end] - arc_[nearest.end - 1]);
   return {lineAngle(nearest.along[0], nearest.along[1]), nearest.distance, arc};
 }

@@ -1,15 +1,12 @@
 #include "evaluation/grasp_judge.h"
+#include "base/constants.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace taxelsim {
-namespace {
-
-constexpr double kNever = std::numeric_limits<double>::quiet_NaN();
-
-}  // namespace
+namespace {}  // namespace
 
 GraspJudge::GraspJudge(const GraspTask& task, int num_frames, double dt, std::uint64_t episode, std::span<const double> targets)
     : task_(task),
@@ -17,9 +14,9 @@ GraspJudge::GraspJudge(const GraspTask& task, int num_frames, double dt, std::ui
       num_frames_(num_frames),
       dt_(dt),
       verdict_{.episode = episode, .success = false, .fingers = {}},
-      states_(targets.size(), {.within_since = kNever}),
+      states_(targets.size(), {.within_since = kNaN}),
       touched_(targets.size()) {
-  for (const double target : targets) verdict_.fingers.push_back({.target = target, .settling_time = kNever});
+  for (const double target : targets) verdict_.fingers.push_back({.target = target, .settling_time = kNaN});
 }
 
 void GraspJudge::frame(std::span<const Touch> touches) {
@@ -36,7 +33,7 @@ void GraspJudge::judge(FingerVerdict& finger, State& state, const Touch& touch) 
   const double error = touch.force - finger.target;
   finger.peak_force = std::max(finger.peak_force, touch.force);
   if (!(std::abs(error) <= task_.tolerance * finger.target)) {
-    state.within_since = kNever;
+    state.within_since = kNaN;
   } else if (std::isnan(state.within_since)) {
     state.within_since = frame_ * dt_;
   }
@@ -44,7 +41,7 @@ void GraspJudge::judge(FingerVerdict& finger, State& state, const Touch& touch) 
   state.square_sum += error * error;
   if (frame_ == first_held_) state.first_center = touch.center;
   const double distance = std::hypot(touch.center[0] - state.first_center[0], touch.center[1] - state.first_center[1]);
-  finger.drift = touch.force > 0 && !std::isnan(finger.drift) ? std::max(finger.drift, distance) : kNever;
+  finger.drift = touch.force > 0 && !std::isnan(finger.drift) ? std::max(finger.drift, distance) : kNaN;
 }
 
 GraspVerdict GraspJudge::verdict() const {

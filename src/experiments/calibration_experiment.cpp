@@ -7,7 +7,7 @@
 namespace taxelsim {
 namespace {
 
-constexpr double kDt = 1;             // s; results of a first step at rest do not depend on it
+constexpr double kPressDt = 1;        // s; results of a first step at rest do not depend on it
 constexpr double kPinLength = 20e-3;  // m, more than any skin is thick
 
 // Presses of one sensor: first all depths at all places, then all loads on all taxels.
@@ -52,7 +52,7 @@ CalibrationCurves curvesOf(const Device& device, const CalibrationExperiment& ex
                               .outputs = {.tactile_normal_force = true, .tactile_shear_force = false, .penetration_depth = false}});
   simulator.setObjects(std::vector<int>(presses.X_SO.size(), 0), presses.X_SO);
   simulator.setLoads(presses.loads);
-  simulator.step(kDt);
+  simulator.step(kPressDt);
   const FrameView frame = simulator.read();
 
   CalibrationCurves curves{.name = sensor.name, .forces = {}, .counts = {}, .shares = {}};

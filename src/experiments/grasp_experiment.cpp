@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/constants.h"
 #include "base/field_checks.h"
 #include "episodes/grasp_batch.h"
 #include "scene/scene_checks.h"
@@ -11,7 +12,6 @@
 namespace taxelsim {
 namespace {
 
-constexpr double kNever = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDecayFrom = 0.5, kDecayTo = 0.1;  // of the target; below, the rounding of the readout to counts shows
 constexpr OutputOptions kNoOutputs{.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false};
 
@@ -24,7 +24,7 @@ double decayOf(const GraspFingerTrace& finger) {
   }
   std::size_t last = first;
   while (last + 1 < finger.force.size() && error(last) > kDecayTo) ++last;
-  if (last >= finger.force.size() || last < first + 2 || finger.force[first] == 0 || error(last) == 0) return kNever;
+  if (last >= finger.force.size() || last < first + 2 || finger.force[first] == 0 || error(last) == 0) return kNaN;
   return std::exp(std::log(error(last) / error(first)) / static_cast<double>(last - first));
 }
 
@@ -33,11 +33,11 @@ void measure(GraspFingerTrace& finger, const Scene& scene) {
   const double dt = 1 / scene.simulation_rate;
   const auto num_frames = static_cast<std::ptrdiff_t>(finger.force.size());
   const auto touched = std::find_if(finger.force.begin(), finger.force.end(), [](double force) { return force > 0; });
-  finger.first_contact = touched == finger.force.end() ? kNever : static_cast<double>(touched - finger.force.begin()) * dt;
+  finger.first_contact = touched == finger.force.end() ? kNaN : static_cast<double>(touched - finger.force.begin()) * dt;
   std::ptrdiff_t settled = num_frames;
   while (settled > 0 && std::abs(finger.force[static_cast<std::size_t>(settled - 1)] - finger.target) <= task.tolerance * finger.target)
     --settled;
-  finger.settling_time = settled == num_frames ? kNever : static_cast<double>(settled) * dt;
+  finger.settling_time = settled == num_frames ? kNaN : static_cast<double>(settled) * dt;
   finger.overshoot = std::max(0.0, *std::max_element(finger.force.begin(), finger.force.end()) / finger.target - 1);
   const std::ptrdiff_t num_held = std::clamp<std::ptrdiff_t>(std::lround(task.hold / dt), 1, num_frames);
   double sum = 0;

@@ -4,6 +4,7 @@
 #include <memory>
 #include <numbers>
 
+#include "base/constants.h"
 #include "base/field_checks.h"
 #include "base/vector3.h"
 #include "control/singularity.h"
@@ -20,8 +21,6 @@ namespace taxelsim {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNever = std::numeric_limits<double>::quiet_NaN();
 constexpr int kCharacteristicSteps = 360;  // steps per right angle: a quarter of a degree each
 
 double lineError(double angle, double reference) {
@@ -80,7 +79,7 @@ std::vector<double> errorsOf(const Scene& scene, const Episode& episode, ServoFe
                          : feature == ServoFeature::kCenterY  ? center[1]
                                                               : across;
     const bool known = feature == ServoFeature::kTotalForce || episode.trace.total_force[n] > 0;
-    errors.push_back(known ? value - reference : kNever);
+    errors.push_back(known ? value - reference : kNaN);
   }
   return errors;
 }
@@ -95,8 +94,8 @@ ServoConvergence convergenceOf(ServoFeature feature, std::vector<double> errors,
   }
   // Settling and overshoot are undefined for an error that starts near 0.
   const bool began_away = std::abs(start) > band * largest;
-  result.settling_time = began_away ? settlingTime(errors, dt, band) : kNever;
-  if (!began_away) result.overshoot = kNever;
+  result.settling_time = began_away ? settlingTime(errors, dt, band) : kNaN;
+  if (!began_away) result.overshoot = kNaN;
   const auto num_steady = std::clamp<std::size_t>(static_cast<std::size_t>(std::lround(steady / dt)), 1, errors.size());
   double sum = 0, squares = 0, count = 0;
   for (std::size_t n = errors.size() - num_steady; n < errors.size(); ++n) {
@@ -108,13 +107,13 @@ ServoConvergence convergenceOf(ServoFeature feature, std::vector<double> errors,
   }
   result.steady_mean = sum / count;
   result.steady_rms = std::sqrt(squares / count);
-  if (count == 0) result.steady_max = kNever;
+  if (count == 0) result.steady_max = kNaN;
   result.error = std::move(errors);
   return result;
 }
 
 ServoRobotUse robotUse(const Scene& scene, const ServoTrace& trace) {
-  ServoRobotUse use{.limit_margin = kInfinity, .smallest_singular_value = kNever};
+  ServoRobotUse use{.limit_margin = kInfinity, .smallest_singular_value = kNaN};
   for (std::size_t n = 0; n < trace.time.size(); ++n) {
     if (n > 0) use.path_length += length(subtract(trace.X_WS[n].position, trace.X_WS[n - 1].position));
     for (std::size_t bit = 0; bit < use.num_frames.size(); ++bit) use.num_frames[bit] += trace.robot_status[n] >> bit & 1;
@@ -206,7 +205,7 @@ double limitOf(const std::vector<double>& gains, const std::vector<double>& grow
     const double below = growth[k - 2], above = growth[k - 1];
     if (below < 1 && above >= 1) return gains[k - 2] + (1 - below) / (above - below) * (gains[k - 1] - gains[k - 2]);
   }
-  return kNever;
+  return kNaN;
 }
 
 ServoSweepResult sweepOne(const Model& model, const ServoSweep& sweep) {

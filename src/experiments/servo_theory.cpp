@@ -1,15 +1,12 @@
 #include "experiments/servo_theory.h"
+#include "base/constants.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace taxelsim {
-namespace {
-
-constexpr double kNever = std::numeric_limits<double>::quiet_NaN();
-
-}  // namespace
+namespace {}  // namespace
 
 std::vector<double> expectedErrors(const AngleLoop& loop, int num_frames, const std::function<double(double)>& read) {
   // Errors of an ideal joint; the real joint follows `delay` frames later.
@@ -26,10 +23,10 @@ std::vector<double> expectedErrors(const AngleLoop& loop, int num_frames, const 
 
 double closedFormSettlingTime(const AngleLoop& loop, double band) {
   const double step = loop.dt * loop.period, gain = loop.gain * step;
-  double z = kNever;
+  double z = kNaN;
   if (loop.delay == 0) z = 1 - gain;
   if (loop.delay == loop.period) z = (1 + std::sqrt(1 - 4 * gain)) / 2;
-  return z > 0 && z < 1 ? step * std::log(band) / std::log(z) : kNever;
+  return z > 0 && z < 1 ? step * std::log(band) / std::log(z) : kNaN;
 }
 
 double closedFormGrowth(double gain, bool late) {
@@ -40,7 +37,7 @@ double closedFormGrowth(double gain, bool late) {
 
 double measuredGrowth(const std::vector<double>& errors) {
   const std::size_t third = errors.size() / 3;
-  if (third == 0) return kNever;
+  if (third == 0) return kNaN;
   double first = 0, last = 0;
   for (std::size_t n = 0; n < third; ++n) {
     first += errors[n] * errors[n];
@@ -50,14 +47,14 @@ double measuredGrowth(const std::vector<double>& errors) {
 }
 
 double settlingTime(const std::vector<double>& errors, double dt, double band) {
-  if (errors.empty()) return kNever;
+  if (errors.empty()) return kNaN;
   const double limit = band * std::abs(errors.front());
   std::size_t outside = errors.size();  // last error outside the band
   for (std::size_t n = errors.size(); n > 0 && outside == errors.size(); --n) {
     if (!(std::abs(errors[n - 1]) <= limit)) outside = n - 1;
   }
   if (outside == errors.size()) return 0;
-  if (outside + 1 == errors.size() || !(limit > 0)) return kNever;
+  if (outside + 1 == errors.size() || !(limit > 0)) return kNaN;
   const double before = errors[outside], after = errors[outside + 1];
   const bool decays = before * after > 0;
   const double part =

@@ -11,7 +11,7 @@
 namespace taxelsim::figures {
 namespace {
 
-constexpr double kMilli = 1e-3;
+constexpr double kMillimetre = 1e-3;
 
 // Range, mean and middle of some of a sensor's values; NaN entries are skipped.
 struct Summary {
@@ -49,12 +49,12 @@ std::size_t indexOf(const std::vector<double>& values, double value) {
   return static_cast<std::size_t>(std::find(values.begin(), values.end(), value) - values.begin());
 }
 
-std::string fixed(double value, int digits) {
+std::string fixedText(double value, int digits) {
   return std::isnan(value) ? "-" : fmt::format("{:.{}f}", value, digits);
 }
 
 // Equal to `value` / `unit` but for rounding.
-std::vector<double> scaled(const std::vector<double>& values, double unit) {
+std::vector<double> scaledValues(const std::vector<double>& values, double unit) {
   std::vector<double> result;
   for (const double value : values) result.push_back(value / unit);
   return result;
@@ -77,13 +77,13 @@ std::string calibrationTables(const CalibrationExperiment& experiment, std::span
   std::string text = fmt::format(
       "{}: a flat pin of {:g} mm diameter on {} places of taxel {} and in the middles of {} taxels\n\n"
       "force at a depth, N (paper, figure 6b)\n{:<32}{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}\n",
-      experiment.name, 2 * experiment.pin_radius / kMilli, experiment.numPlaces(), experiment.taxels.front(), experiment.taxels.size(),
+      experiment.name, 2 * experiment.pin_radius / kMillimetre, experiment.numPlaces(), experiment.taxels.front(), experiment.taxels.size(),
       "sensor", "depth, mm", "measured", "middle", "mean", "least", "most");
   for (const CalibrationCurves& sensor : sensors) {
     for (const CalibrationExperiment::DepthForce& point : experiment.measured_forces) {
       const Summary force = forcesAt(experiment, sensor, indexOf(experiment.depths, point.depth));
-      text += fmt::format("{:<32}{:>10g}{:>10.2f}{:>10}{:>10}{:>10}{:>10}\n", sensor.name, point.depth / kMilli, point.force,
-                          fixed(force.middle, 2), fixed(force.mean, 2), fixed(force.least, 2), fixed(force.most, 2));
+      text += fmt::format("{:<32}{:>10g}{:>10.2f}{:>10}{:>10}{:>10}{:>10}\n", sensor.name, point.depth / kMillimetre, point.force,
+                          fixedText(force.middle, 2), fixedText(force.mean, 2), fixedText(force.least, 2), fixedText(force.most, 2));
     }
   }
   text += fmt::format(
@@ -95,7 +95,7 @@ std::string calibrationTables(const CalibrationExperiment& experiment, std::span
       const std::size_t load = indexOf(experiment.loads, point.force);
       const Summary counts = atLoad(experiment, sensor.counts, load), share = atLoad(experiment, sensor.shares, load);
       text += fmt::format("{:<32}{:>10g}{:>10.0f}{:>10}{:>10}{:>10}{:>10}\n", sensor.name, point.force, point.counts,
-                          fixed(counts.middle, 0), fixed(counts.least, 0), fixed(counts.most, 0), fixed(share.middle, 3));
+                          fixedText(counts.middle, 0), fixedText(counts.least, 0), fixedText(counts.most, 0), fixedText(share.middle, 3));
     }
   }
   for (const CalibrationCurves& sensor : sensors) {
@@ -138,19 +138,19 @@ void drawCalibration(const std::filesystem::path& directory, const CalibrationEx
     std::vector<Summary> forces, counts;
     for (std::size_t d = 0; d < experiment.depths.size(); ++d) forces.push_back(forcesAt(experiment, sensor, d));
     for (std::size_t l = 0; l < experiment.loads.size(); ++l) counts.push_back(atLoad(experiment, sensor.counts, l));
-    depth.series.push_back(seriesOf(sensor.name, scaled(experiment.depths, kMilli), forces));
+    depth.series.push_back(seriesOf(sensor.name, scaledValues(experiment.depths, kMillimetre), forces));
     force.series.push_back(seriesOf(sensor.name, experiment.loads, counts));
   }
   LineSeries measured{.name = "measured", .x = {}, .y = {}, .style = LineStyle::kPoints, .colour = kInk};
   LineSeries read = measured;
-  for (const auto& point : experiment.measured_forces) measured.x.push_back(point.depth / kMilli), measured.y.push_back(point.force);
+  for (const auto& point : experiment.measured_forces) measured.x.push_back(point.depth / kMillimetre), measured.y.push_back(point.force);
   for (const auto& point : experiment.measured_counts) read.x.push_back(point.force), read.y.push_back(point.counts);
   if (!measured.x.empty()) depth.series.push_back(std::move(measured));
   if (!read.x.empty()) force.series.push_back(std::move(read));
   writeLineChart(directory / "calibration.png", {std::move(depth), std::move(force)},
                  {.title = experiment.name,
                   .subtitle = fmt::format("a flat pin of {:g} mm diameter; lines: in the middle of a taxel; shaded: all places, all taxels",
-                                          2 * experiment.pin_radius / kMilli)});
+                                          2 * experiment.pin_radius / kMillimetre)});
 }
 
 }  // namespace taxelsim::figures

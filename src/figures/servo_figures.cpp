@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/constants.h"
 #include "figures/line_chart.h"
 #include "figures/servo_report.h"
 #include "figures/tactile_figure.h"
@@ -14,21 +15,14 @@
 namespace taxelsim::figures {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kMilli = 1e-3;
 constexpr double kNear = 2.5;  // half height of the plots near the reference, in bands
-constexpr const char* kTime = "time, s";
+constexpr const char* kTimeLabel = "time, s";
 
 std::vector<double> scaled(const std::vector<double>& values, double unit, double offset = 0) {
   std::vector<double> result;
   for (const double value : values) result.push_back(value / unit + offset);
   return result;
-}
-
-const ServoConvergence* find(const ServoRunResult& run, ServoFeature feature) {
-  const auto found =
-      std::find_if(run.convergence.begin(), run.convergence.end(), [&](const ServoConvergence& c) { return c.feature == feature; });
-  return found == run.convergence.end() ? nullptr : &*found;
 }
 
 double angleReference(const ServoRun& run) {
@@ -38,7 +32,7 @@ double angleReference(const ServoRun& run) {
 // Frame numbers of the paper's phases: I start, II half of the start error, III end.
 std::array<std::size_t, 3> phasesOf(const ServoRunResult& run) {
   const std::size_t last = run.trace.time.size() - 1;
-  const ServoConvergence* angle = find(run, ServoFeature::kEdgeAngle);
+  const ServoConvergence* angle = convergenceOf(run, ServoFeature::kEdgeAngle);
   if (angle == nullptr) return {0, last / 2, last};
   std::size_t midway = 0;
   while (midway < last && std::abs(angle->error[midway]) > std::abs(angle->error.front()) / 2) ++midway;
@@ -74,15 +68,15 @@ void eachGroup(const ServoExperiment& experiment, Function function) {
 void drawAngles(const std::filesystem::path& file, const ServoExperiment& experiment, const ServoResult& result) {
   std::vector<LinePanel> panels;
   eachGroup(experiment, [&](const std::string& group, const std::vector<std::size_t>& members) {
-    LinePanel panel{.title = group, .x_label = kTime, .y_label = "edge angle, degrees", .series = {}};
+    LinePanel panel{.title = group, .x_label = kTimeLabel, .y_label = "edge angle, degrees", .series = {}};
     bool has_theory = false;
     for (const std::size_t r : members) {
       const ServoRunResult& run = result.runs[r];
-      const ServoConvergence* angle = find(run, ServoFeature::kEdgeAngle);
+      const ServoConvergence* angle = convergenceOf(run, ServoFeature::kEdgeAngle);
       if (angle == nullptr) continue;
-      const double reference = angleReference(experiment.runs[r]) / kDegree;
+      const double reference = angleReference(experiment.runs[r]) / kRadPerDegree;
       panel.reference = LineLevel{.y = reference, .name = "reference"};
-      panel.series.push_back({.name = experiment.runs[r].name, .x = run.trace.time, .y = scaled(angle->error, kDegree, reference)});
+      panel.series.push_back({.name = experiment.runs[r].name, .x = run.trace.time, .y = scaled(angle->error, kRadPerDegree, reference)});
     }
     // Theory is dashed on top of the curves, so that both are visible where they agree.
     for (const std::size_t r : members) {
@@ -90,7 +84,7 @@ void drawAngles(const std::filesystem::path& file, const ServoExperiment& experi
       if (run.expected_error.empty()) continue;
       panel.series.push_back({.name = has_theory ? "" : "theory",
                               .x = run.trace.time,
-                              .y = scaled(run.expected_error, kDegree, angleReference(experiment.runs[r]) / kDegree),
+                              .y = scaled(run.expected_error, kRadPerDegree, angleReference(experiment.runs[r]) / kRadPerDegree),
                               .style = LineStyle::kDashed,
                               .colour = kInk});
       has_theory = true;
@@ -104,7 +98,7 @@ void drawAngles(const std::filesystem::path& file, const ServoExperiment& experi
     }
     panels.push_back(std::move(panel));
     if (!near.reference) return;
-    const double start = std::abs(find(result.runs[members.front()], ServoFeature::kEdgeAngle)->error.front()) / kDegree;
+    const double start = std::abs(convergenceOf(result.runs[members.front()], ServoFeature::kEdgeAngle)->error.front()) / kRadPerDegree;
     const double reference = near.reference->y, half = experiment.band * start;
     near.title += ", near the reference";
     near.band = LineBand{reference - half, reference + half, fmt::format("{:g} % of the start error", 100 * experiment.band)};
@@ -130,10 +124,13 @@ bool drawFeatures(const std::filesystem::path& file, const ServoExperiment& expe
                              Drawn{ServoFeature::kCenterAcross, "centre across the edge", "centre - reference, mm", kMilli},
                              Drawn{ServoFeature::kCenterX, "centre along x of the sensor", "centre - reference, mm", kMilli},
                              Drawn{ServoFeature::kCenterY, "centre along y of the sensor", "centre - reference, mm", kMilli}}) {
-    LinePanel panel{
-        .title = drawn.title, .x_label = kTime, .y_label = drawn.label, .series = {}, .reference = LineLevel{.y = 0, .name = "reference"}};
+    LinePanel panel{.title = drawn.title,
+                    .x_label = kTimeLabel,
+                    .y_label = drawn.label,
+                    .series = {},
+                    .reference = LineLevel{.y = 0, .name = "reference"}};
     for (std::size_t r = 0; r < result.runs.size(); ++r) {
-      const ServoConvergence* convergence = find(result.runs[r], drawn.feature);
+      const ServoConvergence* convergence = convergenceOf(result.runs[r], drawn.feature);
       if (convergence == nullptr) continue;
       panel.series.push_back(
           {.name = experiment.runs[r].name, .x = result.runs[r].trace.time, .y = scaled(convergence->error, drawn.unit)});
@@ -147,13 +144,13 @@ bool drawFeatures(const std::filesystem::path& file, const ServoExperiment& expe
 }
 
 LinePanel jointPanel(const ServoRun& run, const ServoTrace& trace, const Manipulator& robot) {
-  LinePanel panel{.title = run.name + ": joints", .x_label = kTime, .y_label = "from the start, degrees", .series = {}};
+  LinePanel panel{.title = run.name + ": joints", .x_label = kTimeLabel, .y_label = "from the start, degrees", .series = {}};
   const std::size_t num_joints = robot.joints.size();
   for (std::size_t j = 0; j < num_joints; ++j) {
     const bool turns = robot.joints[j].type == JointType::kRevolute;
     LineSeries series{.name = robot.joints[j].name + (turns ? "" : ", mm"), .x = trace.time, .y = {}};
     for (std::size_t n = 0; n < trace.time.size(); ++n) {
-      series.y.push_back((trace.joint_positions[n * num_joints + j] - trace.joint_positions[j]) / (turns ? kDegree : kMilli));
+      series.y.push_back((trace.joint_positions[n * num_joints + j] - trace.joint_positions[j]) / (turns ? kRadPerDegree : kMilli));
     }
     panel.series.push_back(std::move(series));
   }
@@ -204,12 +201,12 @@ bool drawTheory(const std::filesystem::path& file, const ServoExperiment& experi
     if (read.error.empty()) continue;
     std::vector<double> off;
     for (std::size_t k = 0; k < read.error.size(); ++k) {
-      off.push_back(std::remainder(read.measured[k] - read.error[k], std::numbers::pi) / kDegree);
+      off.push_back(std::remainder(read.measured[k] - read.error[k], std::numbers::pi) / kRadPerDegree);
     }
     panels.push_back({.title = experiment.runs[r].name + ": static characteristic of the edge angle",
                       .x_label = "true angle - reference, degrees",
                       .y_label = "measured - true angle, degrees",
-                      .series = {{.name = "sensor", .x = scaled(read.error, kDegree), .y = std::move(off)}},
+                      .series = {{.name = "sensor", .x = scaled(read.error, kRadPerDegree), .y = std::move(off)}},
                       .reference = LineLevel{.y = 0, .name = "no error"}});
   }
   for (std::size_t s = 0; s < result.sweeps.size(); ++s) {
@@ -246,11 +243,11 @@ void drawImages(const std::filesystem::path& file, const ServoRun& run, const Se
     panel.values.assign(first, first + static_cast<std::ptrdiff_t>(num_taxels));
     panel.title = fmt::format("{}: {:.2f} s", kPhases[k], result.trace.time[n]);
     const Vector3& center = result.trace.center_of_pressure[n];
-    if (const ServoConvergence* angle = find(result, ServoFeature::kEdgeAngle)) {
+    if (const ServoConvergence* angle = convergenceOf(result, ServoFeature::kEdgeAngle)) {
       const double reference = angleReference(run);
       panel.lines = {{.through = {center[0], center[1]}, .angle = reference, .colour = kGreen, .name = "reference edge"},
                      {.through = {center[0], center[1]}, .angle = reference + angle->error[n], .colour = kRed, .name = "true edge"}};
-      panel.caption = fmt::format("{:.1f}° from the reference, {:.2f} N", angle->error[n] / kDegree, result.trace.total_force[n]);
+      panel.caption = fmt::format("{:.1f}° from the reference, {:.2f} N", angle->error[n] / kRadPerDegree, result.trace.total_force[n]);
     }
     panels.push_back(std::move(panel));
   }

@@ -7,12 +7,11 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "base/constants.h"
 #include "figures/text.h"
 
 namespace taxelsim::figures {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 // Name and unit of a feature in tables.
 struct FeatureText {
@@ -32,11 +31,11 @@ FeatureText textOf(ServoFeature feature) {
     case ServoFeature::kTotalForce:
       return {"total_force", "N", 1};
     case ServoFeature::kEdgeAngle:
-      return {"edge_angle", "deg", kDegree};
+      return {"edge_angle", "deg", kRadPerDegree};
     case ServoFeature::kTiltX:
-      return {"tilt_x", "deg", kDegree};
+      return {"tilt_x", "deg", kRadPerDegree};
     case ServoFeature::kTiltY:
-      return {"tilt_y", "deg", kDegree};
+      return {"tilt_y", "deg", kRadPerDegree};
   }
   return {"", "", 1};
 }
@@ -46,12 +45,6 @@ std::string fixed(double value, int digits) {
   std::string text = fmt::format("{:.{}f}", value, digits);
   if (text.starts_with('-') && text.find_first_of("123456789") == std::string::npos) text.erase(0, 1);
   return text;
-}
-
-const ServoConvergence* find(const ServoRunResult& run, ServoFeature feature) {
-  const auto found =
-      std::find_if(run.convergence.begin(), run.convergence.end(), [&](const ServoConvergence& c) { return c.feature == feature; });
-  return found == run.convergence.end() ? nullptr : &*found;
 }
 
 // Empty if no run controls the feature.
@@ -64,14 +57,14 @@ std::string featureTable(const ServoExperiment& experiment, const ServoResult& r
   std::vector<std::vector<std::string>> rows{heading};
   for (std::size_t r = 0; r < result.runs.size(); ++r) {
     const ServoRunResult& run = result.runs[r];
-    const ServoConvergence* convergence = find(run, feature);
+    const ServoConvergence* convergence = convergenceOf(run, feature);
     if (convergence == nullptr) continue;
     std::vector<std::string> row{experiment.runs[r].name, fixed(convergence->error.front() / text.scale, 3),
                                  fixed(convergence->settling_time, 3)};
     if (is_angle) {
       const bool has_theory = !run.expected_error.empty();
       row.push_back(has_theory ? fixed(run.expected_settling_time, 3) : "-");
-      row.push_back(has_theory ? fixed(run.largest_deviation / kDegree, 4) : "-");
+      row.push_back(has_theory ? fixed(run.largest_deviation / kRadPerDegree, 4) : "-");
     }
     row.push_back(fixed(100 * convergence->overshoot, 2));
     for (const double value : {convergence->steady_mean, convergence->steady_rms, convergence->steady_max})
@@ -87,7 +80,8 @@ std::string robotTable(const ServoExperiment& experiment, const ServoResult& res
       {"robot", "limit margin, deg", "smallest singular value", "frames at limit", "too fast", "damped", "lost", "path, mm"}};
   for (std::size_t r = 0; r < result.runs.size(); ++r) {
     const ServoRobotUse& robot = result.runs[r].robot;
-    std::vector<std::string> row{experiment.runs[r].name, fixed(robot.limit_margin / kDegree, 1), fixed(robot.smallest_singular_value, 3)};
+    std::vector<std::string> row{experiment.runs[r].name, fixed(robot.limit_margin / kRadPerDegree, 1),
+                                 fixed(robot.smallest_singular_value, 3)};
     for (const int count : robot.num_frames) row.push_back(std::to_string(count));
     row.push_back(fixed(robot.path_length * 1e3, 2));
     rows.push_back(std::move(row));
@@ -169,6 +163,12 @@ nlohmann::ordered_json asJson(const ServoRun& run, const ServoRunResult& result)
 }
 
 }  // namespace
+
+const ServoConvergence* convergenceOf(const ServoRunResult& run, ServoFeature feature) {
+  const auto found =
+      std::find_if(run.convergence.begin(), run.convergence.end(), [&](const ServoConvergence& c) { return c.feature == feature; });
+  return found == run.convergence.end() ? nullptr : &*found;
+}
 
 std::string servoTables(const ServoExperiment& experiment, const ServoResult& result) {
   std::string text = fmt::format(

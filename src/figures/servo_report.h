@@ -9,6 +9,9 @@
 
 namespace taxelsim::figures {
 
+// Convergence of a feature in a run; null if the run does not control it.
+const ServoConvergence* convergenceOf(const ServoRunResult& run, ServoFeature feature);
+
 // A table for each controlled feature, one of the robots, and one for each sweep.
 std::string servoTables(const ServoExperiment& experiment, const ServoResult& result);
 

@@ -16,7 +16,7 @@ namespace {
 // Lengths in points.
 constexpr double kLeastWidth = 330;  // of all panels, for the title
 constexpr double kBarWidth = 14, kBarGap = 22, kBarText = 52, kBarStep = kBarGap + kBarWidth + kBarText;
-constexpr double kTitleRoom = 17, kCaptionRoom = 19, kLegendRoom = 24;
+constexpr double kFigureTitleRoom = 17, kCaptionRoom = 19, kLegendRoom = 24;
 
 void drawColourBar(const Canvas& canvas, double x, double y, double height, const ColourScale& scale, const std::string& unit) {
   cairo_pattern_t* pattern = cairo_pattern_create_linear(0, y + height, 0, y);
@@ -124,7 +124,7 @@ Layout layoutOf(const std::vector<TactilePanel>& panels, const FigureOptions& op
     page.sizes.push_back(sizeOf(panel));
     page.widest = std::max(page.widest, page.sizes.back().width);
     highest = std::max(highest, page.sizes.back().height);
-    if (!panel.title.empty()) page.title_room = kTitleRoom;
+    if (!panel.title.empty()) page.title_room = kFigureTitleRoom;
     if (!panel.caption.empty()) page.caption_room = kCaptionRoom;
   }
   if (options.range > 0) page.counts.max = options.range;

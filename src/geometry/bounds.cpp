@@ -2,13 +2,12 @@
 #include <cmath>
 #include <limits>
 
+#include "base/constants.h"
 #include "geometry/mesh_bounds.h"
 #include "taxelsim/object.h"
 
 namespace taxelsim {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 Bounds centered(double x, double y, double z) {
   return {{-x, -y, -z}, {x, y, z}};

@@ -13,7 +13,6 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kMaxJsonDepth = 64;
 constexpr std::size_t kMaxJsonValues = std::size_t{1} << 23;
-constexpr std::size_t kMaxShown = 40;  // bytes of a value that a message repeats
 
 // Checks the text before it becomes a tree. (A callback of Json::parse() would take a time that is quadratic in the length of a list.)
 class JsonChecker : public nlohmann::json_sax<Json> {

@@ -16,8 +16,6 @@
 namespace taxelsim {
 namespace {
 
-constexpr std::size_t kMaxShown = 40;  // bytes of a word that a message repeats
-
 std::string shown(std::string_view word) {
   return oneLine(word).substr(0, kMaxShown);
 }

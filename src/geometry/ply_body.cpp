@@ -11,7 +11,6 @@
 namespace taxelsim {
 namespace {
 
-constexpr std::size_t kMaxShown = 40;     // bytes of a value that a message repeats
 constexpr std::size_t kMinTextBytes = 2;  // of a value: a digit and a blank
 
 [[noreturn]] void failAtEnd() {

@@ -5,13 +5,12 @@
 #include <optional>
 #include <utility>
 
+#include "base/constants.h"
 #include "base/vector3.h"
 #include "geometry/weld.h"
 
 namespace taxelsim {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Smooth meshes take 5 rounds, scans up to 19. Violations that remain after 20 mean that the target error was too large.
 constexpr int kMaxRounds = 20;

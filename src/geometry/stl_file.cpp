@@ -18,7 +18,6 @@ constexpr std::size_t kHeader = 84;    // bytes: 80 of text, then the number of 
 constexpr std::size_t kTriangle = 50;  // bytes: normal, three vertices, attributes in 2
 constexpr std::size_t kNormal = 12;    // bytes
 constexpr std::size_t kBlock = 4096;   // triangles read at once
-constexpr std::size_t kMaxShown = 40;  // bytes of a value that a message repeats
 
 std::string readBinary(const std::filesystem::path& file, std::size_t count, Mesh& mesh) {
   std::ifstream stream(file, std::ios::binary);

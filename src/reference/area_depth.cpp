@@ -4,6 +4,7 @@
 #include <limits>
 #include <type_traits>
 
+#include "base/constants.h"
 #include "base/vector3.h"
 #include "reference/friction.h"
 #include "reference/load.h"
@@ -14,8 +15,6 @@
 
 namespace taxelsim::reference {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 HeightAt heightOf(const Shape& shape, const Pose& X_PO, const Vector3& direction_P) {
   const Pose X_OP = inverse(X_PO);

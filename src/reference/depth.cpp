@@ -5,6 +5,7 @@
 #include <limits>
 #include <type_traits>
 
+#include "base/constants.h"
 #include "base/vector3.h"
 #include "reference/sample_grid.h"
 #include "reference/solids.h"
@@ -12,8 +13,6 @@
 
 namespace taxelsim::reference {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Twice the signed area of (a, b, p) in the xy plane.
 double edgeFunction(const Vector3& a, const Vector3& b, double x, double y) {

@@ -8,7 +8,7 @@ namespace taxelsim::reference {
 namespace {
 
 constexpr double kBetweenNodes = 0.5;
-constexpr double kNearlyWhole = 20;
+constexpr double kNearlyWholeCell = 20;
 constexpr double kLeastFree = 1.0 / 500, kLeastBetweenFree = 1.0 / 8;
 
 using Point = std::array<double, 2>;
@@ -71,7 +71,7 @@ FoundationCells foundationCells(const LayerCells& cells, std::span<const std::ar
     const double offset = share >= 1 ? 1 : share <= 0 ? -1 : offsetWithShare(normal, share);
     double height = heights[n];
     if (is_over && covered > 0) {
-      const double whole = std::clamp(1 - kNearlyWhole * (1 - covered), 0.0, 1.0);
+      const double whole = std::clamp(1 - kNearlyWholeCell * (1 - covered), 0.0, 1.0);
       height -= kBetweenNodes * whole * std::max(mean - height, 0.0);
       height += edge * (mean - height);
     } else if (edge > 0) {

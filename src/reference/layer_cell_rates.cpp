@@ -8,7 +8,7 @@ namespace taxelsim::reference {
 namespace {
 
 // A covered interval of a side, from the middle of the side, in its length.
-struct Interval {
+struct CellInterval {
   double length = 0;  // 0 to 1
   double middle = 0;  // -0.5 to 0.5
 };
@@ -17,7 +17,7 @@ struct Interval {
 enum class Cover { kEmpty, kCut, kWhole };
 struct CellSides {
   Cover cover = Cover::kEmpty;
-  std::array<Interval, 4> side{};
+  std::array<CellInterval, 4> side{};
 };
 
 std::array<double, 2> sidePoint(std::size_t side, double along) {
@@ -26,24 +26,24 @@ std::array<double, 2> sidePoint(std::size_t side, double along) {
 }
 
 // Share of the cell that is behind the line with this normal and offset: that of the quadrants behind it, by inclusion and exclusion.
-double shareBehind(const std::array<double, 2>& normal, double offset) {
+double coveredShare(const std::array<double, 2>& normal, double offset) {
   constexpr double kLeast = 1e-6;
   const double a = std::max(std::abs(normal[0]), kLeast), b = std::max(std::abs(normal[1]), kLeast);
   const auto behind = [&](double t) { return t > 0 ? t * t / (2 * a * b) : 0; };
   return behind(offset + (a + b) / 2) - behind(offset + (a - b) / 2) - behind(offset + (b - a) / 2) + behind(offset - (a + b) / 2);
 }
 
-double offsetWithShare(const std::array<double, 2>& normal, double share) {
+double offsetOfShare(const std::array<double, 2>& normal, double share) {
   double low = -1, high = 1;
   for (int halving = 0; halving < 60; ++halving) {
     const double middle = (low + high) / 2;
-    (shareBehind(normal, middle) < share ? low : high) = middle;
+    (coveredShare(normal, middle) < share ? low : high) = middle;
   }
   return (low + high) / 2;
 }
 
 // The part of a side that is behind the line with this normal and offset.
-Interval behindLine(std::size_t side, const std::array<double, 2>& normal, double offset) {
+CellInterval behindLine(std::size_t side, const std::array<double, 2>& normal, double offset) {
   const auto behind = [&](double along) {
     const std::array<double, 2> p = sidePoint(side, along);
     return offset - p[0] * normal[0] - p[1] * normal[1];
@@ -52,7 +52,7 @@ Interval behindLine(std::size_t side, const std::array<double, 2>& normal, doubl
   if (first >= 0 && last >= 0) return {1, 0};
   if (first < 0 && last < 0) return {0, 0};
   const double crossing = first / (first - last) - 0.5;
-  return first >= 0 ? Interval{crossing + 0.5, (crossing - 0.5) / 2} : Interval{0.5 - crossing, (crossing + 0.5) / 2};
+  return first >= 0 ? CellInterval{crossing + 0.5, (crossing - 0.5) / 2} : CellInterval{0.5 - crossing, (crossing + 0.5) / 2};
 }
 
 CellSides sidesOf(const LayerCells& cells, const LayerNodes& nodes, std::size_t n) {
@@ -60,16 +60,16 @@ CellSides sidesOf(const LayerCells& cells, const LayerNodes& nodes, std::size_t 
   if (covered == 0) return {};
   const std::array<double, 2> center{cells.place[n][0] / nodes.spacing[0], cells.place[n][1] / nodes.spacing[1]};
   const double size = std::abs(center[0]) + std::abs(center[1]);
-  if (edge == 0 || size == 0) return {Cover::kWhole, {Interval{1, 0}, {1, 0}, {1, 0}, {1, 0}}};
+  if (edge == 0 || size == 0) return {Cover::kWhole, {CellInterval{1, 0}, {1, 0}, {1, 0}, {1, 0}}};
   const std::array<double, 2> normal{-center[0] / size, -center[1] / size};
-  const double offset = offsetWithShare(normal, covered);
+  const double offset = offsetOfShare(normal, covered);
   CellSides sides{Cover::kCut, {}};
   for (std::size_t side = 0; side < 4; ++side) sides.side[side] = behindLine(side, normal, offset);
   return sides;
 }
 
-Interval sharedSide(const CellSides& own, const CellSides& other, std::size_t side) {
-  const Interval &a = own.side[side], &b = other.side[side ^ 1];
+CellInterval sharedSide(const CellSides& own, const CellSides& other, std::size_t side) {
+  const CellInterval &a = own.side[side], &b = other.side[side ^ 1];
   if (own.cover != Cover::kCut) return a;
   if (other.cover != Cover::kCut) return b;
   const double length = (a.length + b.length) / 2;
@@ -104,7 +104,7 @@ CellRates cellRates(const LayerNodes& nodes, const LayerCells& cells, const std:
         const int du = side < 2 ? (side == 0 ? -1 : 1) : 0, dv = side < 2 ? 0 : (side == 2 ? -1 : 1);
         const bool is_inside = u + du >= 0 && v + dv >= 0 && u + du < nodes.num_rows && v + dv < nodes.num_cols;
         const auto next = static_cast<std::size_t>((u + du) * nodes.num_cols + v + dv);
-        const Interval part = is_inside ? sharedSide(sides[n], sides[next], side) : sides[n].side[side];
+        const CellInterval part = is_inside ? sharedSide(sides[n], sides[next], side) : sides[n].side[side];
         const std::array<double, 2> at = sidePoint(side, part.middle);
         const double flow = (side % 2 == 0 ? -1 : 1) * velocity(at)[side / 2] * part.length;
         area -= flow;

@@ -98,7 +98,7 @@ LayerContact solveCutContact(const Sensor& sensor, const Foundation& foundation,
 }
 
 // The sensor with its nodes as samples.
-Sensor refined(const Sensor& sensor) {
+Sensor refinedGrid(const Sensor& sensor) {
   Sensor result = sensor;
   result.samples_per_taxel *= pasternakRefinement(sensor);
   return result;
@@ -143,7 +143,7 @@ FoundationSolution solveFoundation(const Foundation& foundation, std::span<const
 LayerContact foundationContact(const Sensor& sensor, std::span<const PlacedObject> objects) {
   if (sensor.patches.size() > 1) return linkedContact(sensor, objects);
   const Foundation foundation = makeFoundation(sensor);
-  const Sensor nodes = refined(sensor);
+  const Sensor nodes = refinedGrid(sensor);
   const std::vector<double> heights = layerHeights(nodes, foundation.nodes, objects);
   const LayerCells cells = layerCells(nodes, foundation.nodes, objects);
   const std::vector<std::array<double, 2>> sizes(heights.size(), foundation.nodes.spacing);
@@ -154,7 +154,7 @@ LayerContact foundationContact(const Sensor& sensor, std::span<const PlacedObjec
 LayerContact loadedFoundationContact(const Sensor& sensor, std::span<const PlacedObject> objects, double load) {
   if (sensor.patches.size() > 1) return loadedLinkedContact(sensor, objects, load);
   const Foundation foundation = makeFoundation(sensor);
-  const Sensor nodes = refined(sensor);
+  const Sensor nodes = refinedGrid(sensor);
   const std::vector<double> heights = layerHeights(nodes, foundation.nodes, objects);
   const double lowest = *std::min_element(heights.begin(), heights.end()), thickness = sensor.skin.thickness;
   if (sensor.depth_sampling != DepthSampling::kArea || !std::isfinite(lowest) || load <= 0) {

@@ -4,12 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "base/constants.h"
 #include "base/vector3.h"
 
 namespace taxelsim::reference {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // h(n) in O.
 struct Support {

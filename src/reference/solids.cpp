@@ -6,12 +6,11 @@
 #include <utility>
 #include <vector>
 
+#include "base/constants.h"
 #include "base/vector3.h"
 
 namespace taxelsim::reference {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Parameter interval of a line inside a convex solid: [first, second]; empty if first > second.
 using Interval = std::pair<double, double>;

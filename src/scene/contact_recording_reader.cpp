@@ -66,11 +66,6 @@ std::vector<CsvColumn> columnsOf(const Format& format, bool has_vectors) {
   return columns;
 }
 
-bool isHeading(const CsvReader& reader, std::span<const CsvColumn> columns) {
-  return std::equal(reader.fields().begin(), reader.fields().end(), columns.begin(), columns.end(),
-                    [](const CsvReader::Field& field, const CsvColumn& column) { return field.text == column.name; });
-}
-
 // The columns by the heading, on which the reader is.
 std::vector<CsvColumn> columnsOf(const CsvReader& reader, const Format& format) {
   if (std::vector<CsvColumn> columns = columnsOf(format, false); isHeading(reader, columns)) return columns;

@@ -8,16 +8,17 @@
 namespace taxelsim {
 namespace {
 
-constexpr double kLargest = 1e3;  // m
-constexpr std::array<CsvColumn, 3> kColumns = {
-    {{"x_m", -kLargest, kLargest, "m"}, {"y_m", -kLargest, kLargest, "m"}, {"z_m", -kLargest, kLargest, "m"}}};
+constexpr double kLargestPlace = 1e3;  // m
+constexpr std::array<CsvColumn, 3> kContourColumns = {{{"x_m", -kLargestPlace, kLargestPlace, "m"},
+                                                       {"y_m", -kLargestPlace, kLargestPlace, "m"},
+                                                       {"z_m", -kLargestPlace, kLargestPlace, "m"}}};
 constexpr std::size_t kLeastPoints = 3;
 
 }  // namespace
 
 std::vector<Vector3> loadContour(const std::filesystem::path& file) {
   std::vector<Vector3> points;
-  readCsvRows(file, {.columns = kColumns, .row = "point"}, [&](std::span<const double> numbers, const CsvReader& at) {
+  readCsvRows(file, {.columns = kContourColumns, .row = "point"}, [&](std::span<const double> numbers, const CsvReader& at) {
     const Vector3 point{numbers[0], numbers[1], numbers[2]};
     if (!points.empty() && (point == points.back() || point == points.front())) {
       at.fail(1, "repeats the previous or the first point: a contour is closed implicitly");

@@ -11,7 +11,6 @@
 namespace taxelsim {
 namespace {
 
-constexpr std::size_t kMaxShown = 40;  // bytes of a value that a message repeats
 constexpr std::string_view kBlanks = " \t\r";
 
 std::string_view trimmed(std::string_view text) {
@@ -25,12 +24,12 @@ std::string headingOf(std::span<const CsvColumn> columns) {
   return heading;
 }
 
+}  // namespace
+
 bool isHeading(const CsvReader& reader, std::span<const CsvColumn> columns) {
   return std::equal(reader.fields().begin(), reader.fields().end(), columns.begin(), columns.end(),
                     [](const CsvReader::Field& field, const CsvColumn& column) { return field.text == column.name; });
 }
-
-}  // namespace
 
 CsvReader::CsvReader(const std::filesystem::path& file, std::uintmax_t max_bytes) : file_(file.generic_string()) {
   if (const std::string problem = inputFileProblem(file, max_bytes); !problem.empty()) failAt(file_, problem);

@@ -79,4 +79,7 @@ std::size_t readCsvRows(const std::filesystem::path& file, const CsvFormat& form
 // Throws Error(kInput) with a text of one line.
 [[noreturn]] void failAt(const std::string& place, const std::string& what);
 
+// Whether the fields of the line are the names of the columns.
+bool isHeading(const CsvReader& reader, std::span<const CsvColumn> columns);
+
 }  // namespace taxelsim

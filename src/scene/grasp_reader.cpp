@@ -18,12 +18,12 @@ constexpr std::array kRandomFields{
     Field<Grasp>{"yaw[_deg]", &Grasp::yaw, Allowed::within(0, std::numbers::pi, "rad")},
     Field<Grasp>{"force_spread", &Grasp::force_spread, Allowed::within(0, 1, "")},
 };
-constexpr double kDefaultHold = 0.5;  // s, for episodes that last at least as long
+constexpr double kDefaultGraspHold = 0.5;  // s, for episodes that last at least as long
 constexpr const char* kFingers = "a list of at least one {sensor, force, joints}";
 constexpr const char* kServoJoints = "a list of at least one name of a joint that moves the sensor";
 constexpr const char* kFingerJoints = "a list of at least one {joint, velocity}";
 constexpr double kMaxVelocity = 1e6;  // rad/s or m/s, of a joint without a limit
-constexpr Allowed kForce = Allowed::aboveUpTo(0, 1e6, "N");
+constexpr Allowed kTargetForce = Allowed::aboveUpTo(0, 1e6, "N");
 
 // Index of the item that the node names; fails with all names if there is none. kind: of the items.
 template <typename Named>
@@ -95,7 +95,7 @@ GraspFinger readFinger(const YamlNode& item, const Manipulator& robot, const Gra
     if (other.sensor == finger.sensor) sensor.fail("an earlier finger has this sensor");
   }
   refuseProximity(sensor, grasp.sensors[static_cast<std::size_t>(finger.sensor)]);
-  finger.force = map.number("force", kForce);
+  finger.force = map.number("force", kTargetForce);
   const YamlNode joints = map.require("joints", kFingerJoints);
   canonical.open("joints");
   for (const YamlNode& joint : joints.items(kFingerJoints)) finger.joints.push_back(readJoint(joint, robot, taken, canonical));
@@ -147,7 +147,7 @@ GraspServo readGraspServo(const YamlMap& outer, const Manipulator& robot, const 
 
 // duration: s, of an episode. A scene without this key has the defaults.
 void readGraspTask(const YamlMap& scene, double duration, GraspTask& task) {
-  task.hold = std::min(kDefaultHold, duration);
+  task.hold = std::min(kDefaultGraspHold, duration);
   if (!scene.has("task")) return;
   const YamlMap map(scene, "task", keysOf(kGraspTaskFields));
   readFields(map, kGraspTaskFields, task);

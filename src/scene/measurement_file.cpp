@@ -65,7 +65,7 @@ void checkRising(const NumberTable& table, const std::vector<double>& time) {
   for (std::size_t row = 1; row < time.size(); ++row) {
     if (!(time[row] > time[row - 1])) {
       table.failAtValue(
-          row, table.columnOf(kTime),
+          row, table.columnOf(kRecordedTime),
           numberText(time[row]) + " s is not allowed: must be later than the previous row (" + numberText(time[row - 1]) + " s)");
     }
   }
@@ -101,7 +101,7 @@ Images readImages(const Source& source) {
   const std::vector<std::size_t> columns = taxelColumns(source);
   Images images;
   images.num_taxels = columns.size();
-  images.time = source.table.find(kTime);
+  images.time = source.table.find(kRecordedTime);
   checkRising(source.table, images.time);
   images.counts.reserve(source.table.numRows() * columns.size());
   for (std::size_t row = 0; row < source.table.numRows(); ++row) {
@@ -140,7 +140,7 @@ ForceCurve readForceCurve(const Source& source) {
   }
   curve.force = source.table.require(kForce);
   curve.counts = readCounts(source, source.full_scale);
-  curve.time = source.table.find(kTime);
+  curve.time = source.table.find(kRecordedTime);
   checkRising(source.table, curve.time);
   return curve;
 }
@@ -200,7 +200,7 @@ UniformPress readUniformPress(const Source& source) {
 StepResponse readStepResponse(const Source& source) {
   StepResponse step;
   step.load = source.map.number("load", Allowed::above(0, "N"));
-  step.time = source.table.require(kTime);
+  step.time = source.table.require(kRecordedTime);
   checkRising(source.table, step.time);
   step.counts = readCounts(source, source.full_scale * numTaxels(source.sensor));
   return step;

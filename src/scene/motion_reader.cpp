@@ -7,7 +7,7 @@
 namespace taxelsim {
 namespace {
 
-constexpr std::string_view kKinds = "constant_twist | sinusoid | waypoints | hand_held";
+constexpr std::string_view kMotionKinds = "constant_twist | sinusoid | waypoints | hand_held";
 constexpr std::uintmax_t kMaxWaypointBytes = std::uintmax_t{64} << 20;
 
 Motion readConstantTwist(const YamlMap& parent) {
@@ -50,7 +50,7 @@ std::optional<Motion> readMotion(const YamlMap& object, const std::filesystem::p
   const YamlMap map(object, "motion", {"constant_twist", "sinusoid", "waypoints", "hand_held"});
   int num_kinds = 0;
   for (const std::string_view kind : {"constant_twist", "sinusoid", "waypoints", "hand_held"}) num_kinds += map.has(kind) ? 1 : 0;
-  if (num_kinds != 1) node->fail("exactly one of " + std::string(kKinds));
+  if (num_kinds != 1) node->fail("exactly one of " + std::string(kMotionKinds));
   const Motion motion = map.has("constant_twist") ? readConstantTwist(map)
                         : map.has("sinusoid")     ? readSinusoid(map)
                         : map.has("waypoints")    ? readWaypoints(map, directory)

@@ -11,7 +11,6 @@ namespace taxelsim {
 namespace {
 
 constexpr std::size_t kMaxColumns = 1 << 15;
-constexpr std::size_t kMaxShown = 60;  // bytes of a name that a message repeats
 
 std::string shown(std::string_view text) {
   return "\"" + std::string(text.substr(0, kMaxShown)) + "\"";

@@ -31,7 +31,7 @@ struct Quantity {
 
 inline constexpr Quantity kForce{"the force", {{{"force_N", 1}, {"force_mN", 1e-3}}}};
 inline constexpr Quantity kDepth{"the depth", {{{"depth_m", 1}, {"depth_mm", 1e-3}, {"depth_um", 1e-6}}}};
-inline constexpr Quantity kTime{"the time", {{{"time_s", 1}, {"time_ms", 1e-3}, {"t_s", 1}}}};
+inline constexpr Quantity kRecordedTime{"the time", {{{"time_s", 1}, {"time_ms", 1e-3}, {"t_s", 1}}}};
 inline constexpr Quantity kPositionX{"the position along x", {{{"x_m", 1}, {"x_mm", 1e-3}}}};
 inline constexpr Quantity kPositionY{"the position along y", {{{"y_m", 1}, {"y_mm", 1e-3}}}};
 inline constexpr Quantity kYaw{"the turn about z", {{{"yaw_rad", 1}, {"yaw_deg", std::numbers::pi / 180}}}};

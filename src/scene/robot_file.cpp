@@ -14,7 +14,7 @@
 namespace taxelsim {
 namespace {
 
-constexpr std::string_view kKinds = "free_flying | pan_tilt | urdf";
+constexpr std::string_view kRobotKinds = "free_flying | pan_tilt | urdf";
 constexpr const char* kRobotBlock = "a robot file, or a robot's own settings";
 // Names below data/ that are no sensor's.
 constexpr std::array<std::string_view, 3> kColumnGroups = {"time", "robot", "object_pose"};
@@ -208,7 +208,7 @@ Robot readRobot(const YamlNode& node, const SensorFiles& files, Canonical& canon
   const YamlMap map(node, keys, canonical);
   int num_kinds = 0;
   for (const std::string_view kind : {"free_flying", "pan_tilt", "urdf"}) num_kinds += map.has(kind) ? 1 : 0;
-  if (num_kinds != 1) node.fail("exactly one of " + std::string(kKinds));
+  if (num_kinds != 1) node.fail("exactly one of " + std::string(kRobotKinds));
   if (map.has("pan_tilt")) return readPanTilt(map, files);
   if (map.has("urdf")) return readUrdf(map, files);
   Canonical none;

@@ -16,9 +16,8 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-constexpr std::size_t kMaxShown = 40;  // bytes of a value that a message repeats
 // Limits of numbers as in YAML files: the device computes in float32.
-constexpr double kLargest = 1e30;
+constexpr double kLargestNumber = 1e30;
 
 // The file being read; its name is in messages.
 class Urdf {
@@ -60,7 +59,7 @@ std::optional<std::vector<double>> Urdf::numbers(const XMLElement& element, cons
   std::istringstream words(text);
   for (std::string word; words >> word;) {
     double value = 0;
-    good = good && parseNumber(word, value) && std::abs(value) <= kLargest;
+    good = good && parseNumber(word, value) && std::abs(value) <= kLargestNumber;
     result.push_back(value);
     if (result.size() > count) break;
   }

@@ -14,7 +14,6 @@ namespace {
 
 constexpr double kLargest = 1e30;
 constexpr double kSmallest = 1e-30;
-constexpr std::size_t kMaxShown = 40;  // bytes of a value in a message
 constexpr std::size_t kMaxText = 200;  // bytes of a name or file name
 constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
 

@@ -18,16 +18,16 @@ using Place = std::array<double, 2>;
 
 constexpr double kLeastPart = 1e-6;  // of the side of a cell: less is rounding
 
-struct Taxel {
+struct LinkedTaxel {
   const GridPatch* patch = nullptr;
   int patch_number = 0, row = 0, col = 0;
   int first_of_patch = 0;  // taxel
   Vector3 position{}, normal{};
 };
 
-std::vector<Taxel> taxelsOf(const Sensor& sensor) {
+std::vector<LinkedTaxel> linkedTaxelsOf(const Sensor& sensor) {
   const std::vector<Vector3> positions = taxelPositions(sensor), normals = taxelNormals(sensor);
-  std::vector<Taxel> taxels;
+  std::vector<LinkedTaxel> taxels;
   int number = 0;
   for (const GridPatch& patch : sensor.patches) {
     const int first = static_cast<int>(taxels.size());
@@ -52,7 +52,7 @@ struct Chart {
 };
 
 // Direction in which B lies from A, in S and of any length: along the geodesic of skinDistance().
-Vector3 directionTo(const Taxel& a, const Taxel& b) {
+Vector3 directionTo(const LinkedTaxel& a, const LinkedTaxel& b) {
   constexpr double kParallel = 1e-9;  // sine of the angle between normals
   const Vector3 chord = subtract(b.position, a.position), turn = cross(a.normal, b.normal);
   const double sine = length(turn);
@@ -63,7 +63,7 @@ Vector3 directionTo(const Taxel& a, const Taxel& b) {
   return add(scale(along, axis), scale(std::copysign(across, dot(chord, around)), around));
 }
 
-Chart chartOf(const Taxel& a, const Taxel& b) {
+Chart chartOf(const LinkedTaxel& a, const LinkedTaxel& b) {
   Chart chart;
   const Vector3 direction = directionTo(a, b);
   const double size = length(direction);
@@ -79,12 +79,12 @@ Chart chartOf(const Taxel& a, const Taxel& b) {
   return chart;
 }
 
-double halfDiagonal(const Taxel& taxel) {
+double halfDiagonal(const LinkedTaxel& taxel) {
   return std::hypot(taxel.patch->pitch[0], taxel.patch->pitch[1]) / 2;
 }
 
 // Place of node (a, b) of a taxel from its middle.
-Place placeInTaxel(const Taxel& taxel, int per_side, int a, int b) {
+Place placeInTaxel(const LinkedTaxel& taxel, int per_side, int a, int b) {
   const std::array<double, 2>& pitch = taxel.patch->pitch;
   return {((a + 0.5) / per_side - 0.5) * pitch[0], ((b + 0.5) / per_side - 0.5) * pitch[1]};
 }
@@ -124,13 +124,13 @@ class LinkBuilder {
       : law_(std::get<Pasternak>(sensor.skin.law)),
         decay_(decayLength(law_)),
         per_side_(sensor.samples_per_taxel * pasternakRefinement(sensor)),
-        taxels_(taxelsOf(sensor)) {}
+        taxels_(linkedTaxelsOf(sensor)) {}
 
   LinkedNodes build() {
     LinkedNodes nodes{.per_side = per_side_, .links = {}, .spring = {}};
     const std::size_t num_nodes = taxels_.size() * static_cast<std::size_t>(per_side_ * per_side_);
     nodes.links.resize(num_nodes);
-    for (const Taxel& taxel : taxels_) {
+    for (const LinkedTaxel& taxel : taxels_) {
       const double area = taxel.patch->pitch[0] * taxel.patch->pitch[1] / (per_side_ * per_side_);
       nodes.spring.insert(nodes.spring.end(), static_cast<std::size_t>(per_side_ * per_side_), law_.normal_contact_stiffness * area);
     }
@@ -153,7 +153,7 @@ class LinkBuilder {
   int nodeAt(std::size_t taxel, int a, int b) const { return (static_cast<int>(taxel) * per_side_ + a) * per_side_ + b; }
 
   // The node in row u and column v of the patch of a taxel.
-  int nodeInPatch(const Taxel& taxel, int u, int v) const {
+  int nodeInPatch(const LinkedTaxel& taxel, int u, int v) const {
     const int number = taxel.first_of_patch + u / per_side_ * taxel.patch->num_cols + v / per_side_;
     return nodeAt(static_cast<std::size_t>(number), u % per_side_, v % per_side_);
   }
@@ -166,7 +166,7 @@ class LinkBuilder {
   }
 
   void linkTaxel(std::size_t t) {
-    const Taxel& taxel = taxels_[t];
+    const LinkedTaxel& taxel = taxels_[t];
     const int rows = taxel.patch->num_rows * per_side_, cols = taxel.patch->num_cols * per_side_;
     const std::vector<std::pair<std::size_t, Chart>> around = chartsAround(t);
     for (int a = 0; a < per_side_; ++a) {
@@ -199,7 +199,7 @@ class LinkBuilder {
     return around;
   }
 
-  std::array<double, 2> spacingOf(const Taxel& taxel) const {
+  std::array<double, 2> spacingOf(const LinkedTaxel& taxel) const {
     return {taxel.patch->pitch[0] / per_side_, taxel.patch->pitch[1] / per_side_};
   }
 
@@ -238,7 +238,7 @@ class LinkBuilder {
   Pasternak law_;
   double decay_;
   int per_side_;
-  std::vector<Taxel> taxels_;
+  std::vector<LinkedTaxel> taxels_;
   std::map<std::pair<int, int>, FoundationLink> links_;
   std::vector<double>* spring_ = nullptr;
 };
@@ -258,10 +258,10 @@ LinkedNodes linkedNodes(const Sensor& sensor) {
 std::vector<std::vector<int>> blocksWithin(const Sensor& sensor, int num_parts, double reach) {
   const int per_side = sensor.samples_per_taxel * pasternakRefinement(sensor), side = per_side / num_parts,
             num_blocks = num_parts * num_parts;
-  const std::vector<Taxel> taxels = taxelsOf(sensor);
+  const std::vector<LinkedTaxel> taxels = linkedTaxelsOf(sensor);
   std::vector<std::vector<int>> near(taxels.size() * static_cast<std::size_t>(num_blocks));
   // Of a place in a taxel, from a block of it.
-  const auto distance = [&](const Taxel& taxel, int block, const Place& place) {
+  const auto distance = [&](const LinkedTaxel& taxel, int block, const Place& place) {
     double square = 0;
     for (std::size_t axis = 0; axis < 2; ++axis) {
       const double size = taxel.patch->pitch[axis] / num_parts, part = axis == 0 ? block / num_parts : block % num_parts;

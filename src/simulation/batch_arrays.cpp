@@ -96,10 +96,10 @@ std::uint64_t foundationPairs(Shape s) {
   return num_arrays * blocksOf(nodes.num_rows, kRows) * blocksOf(nodes.num_cols, kCols) * kRows * kCols / 2;
 }
 
-std::uint64_t contactFeatures(Shape s) {
+std::uint64_t numContactFeatures(Shape s) {
   return 1 + std::uint64_t{layout::kNumContactFeatures} * numContactRows(s.model.packed_contact, s.options.max_regions);
 }
-std::uint64_t jacobianFeatures(Shape s) {
+std::uint64_t numJacobianFeatures(Shape s) {
   return std::uint64_t{layout::kNumJacobian} * numContactRows(s.model.packed_contact, 0);
 }
 
@@ -212,17 +212,17 @@ constexpr BatchArray kArrays[] = {
     output<block::Features>(
         "features", [](Shape) { return std::uint64_t{layout::kNumFeatures}; }, always),
     output<block::ContactFeatures>(
-        "contact_features", [](Shape s) { return countIf(s.options.outputs.contact_features, contactFeatures(s)); },
+        "contact_features", [](Shape s) { return countIf(s.options.outputs.contact_features, numContactFeatures(s)); },
         [](const BatchOptions& o) { return o.outputs.contact_features; }),
     output<block::CleanContactFeatures>(
-        "clean_contact_features", [](Shape s) { return countIf(s.options.outputs.clean_contact_features, contactFeatures(s)); },
+        "clean_contact_features", [](Shape s) { return countIf(s.options.outputs.clean_contact_features, numContactFeatures(s)); },
         [](const BatchOptions& o) { return o.outputs.clean_contact_features; }),
     output<block::TactileJacobian>(
-        "tactile_jacobian", [](Shape s) { return countIf(s.options.outputs.tactile_jacobian, jacobianFeatures(s)); },
+        "tactile_jacobian", [](Shape s) { return countIf(s.options.outputs.tactile_jacobian, numJacobianFeatures(s)); },
         [](const BatchOptions& o) { return o.outputs.tactile_jacobian; }),
     output<block::CleanTactileJacobian>(
         "clean_tactile_jacobian",
-        [](Shape s) { return countIf(s.options.outputs.clean_tactile_jacobian, jacobianFeatures(s) + layout::kNumWrenchJacobian); },
+        [](Shape s) { return countIf(s.options.outputs.clean_tactile_jacobian, numJacobianFeatures(s) + layout::kNumWrenchJacobian); },
         [](const BatchOptions& o) { return o.outputs.clean_tactile_jacobian; }),
     output<block::SpreadJacobian>(
         "taxel_jacobian", [](Shape s) { return countIf(s.options.outputs.taxel_jacobian, 6 * taxels(s)); },

@@ -30,7 +30,7 @@ namespace {
 // A quaternion read from text with six digits is this close to unit length.
 constexpr double kQuaternionTolerance = 1e-3;
 
-[[noreturn]] void refuse(const std::string& what) {
+[[noreturn]] void refuseCall(const std::string& what) {
   throw Error(ErrorKind::kInput, what);
 }
 
@@ -54,11 +54,11 @@ void checkSlot(int id, const Pose& X_SO, std::size_t instance, int num_objects) 
   if (isAllowedSlot(id, X_SO, num_objects)) return;
   const auto where = [instance] { return " of instance " + std::to_string(instance); };
   if (id < 0 || id >= num_objects) {
-    refuse("object " + std::to_string(id) + where() + " is not allowed: 0 to " + std::to_string(num_objects - 1) + ", or -1 for none");
+    refuseCall("object " + std::to_string(id) + where() + " is not allowed: 0 to " + std::to_string(num_objects - 1) + ", or -1 for none");
   }
   const double length = lengthOf(X_SO.rotation);
-  if (!isUnitLength(length)) refuse("rotation" + where() + ": a quaternion of length " + std::to_string(length) + " is not allowed: 1");
-  refuse("position" + where() + " is not finite");
+  if (!isUnitLength(length)) refuseCall("rotation" + where() + ": a quaternion of length " + std::to_string(length) + " is not allowed: 1");
+  refuseCall("position" + where() + " is not finite");
 }
 
 // 1 - exp(-dt / time): the step of a first-order system towards its input.
@@ -89,15 +89,15 @@ Simulator::Impl::Impl(const Model& shared_model, const BatchOptions& batch_optio
 
 void Simulator::Impl::checkInstance(int instance) const {
   if (instance >= 0 && instance < options.num_instances) return;
-  refuse("instance: " + std::to_string(instance) + " is not allowed: 0 to " + std::to_string(options.num_instances - 1));
+  refuseCall("instance: " + std::to_string(instance) + " is not allowed: 0 to " + std::to_string(options.num_instances - 1));
 }
 
 void Simulator::Impl::checkTakesObjects() const {
-  if (takesContacts()) refuse("this simulator takes contacts (max_contacts > 0), neither objects nor loads");
+  if (takesContacts()) refuseCall("this simulator takes contacts (max_contacts > 0), neither objects nor loads");
 }
 
 void Simulator::Impl::checkTakesContacts() const {
-  if (!takesContacts()) refuse("this simulator takes no contacts: max_contacts is 0");
+  if (!takesContacts()) refuseCall("this simulator takes no contacts: max_contacts is 0");
 }
 
 void Simulator::Impl::place(std::size_t instance, std::size_t slot, int id, const Pose& X_SO) {
@@ -155,8 +155,8 @@ layout::StepRecord Simulator::Impl::stepRecord(double dt, const Selection& selec
   constexpr double kRounding = 5e-10;  // for a delay of exactly kMaxDelaySteps steps; less than the tolerance of StepHistory
   const double longest = readout.delay * longestDelay();
   if (longest > kMaxDelaySteps * dt * (1 + kRounding)) {
-    refuse("readout.delay: " + numberText(longest) + " is not allowed: s, at most " + std::to_string(kMaxDelaySteps) + " steps of " +
-           numberText(dt) + " s (" + numberText(kMaxDelaySteps * dt) + " s); shorten it or take longer steps");
+    refuseCall("readout.delay: " + numberText(longest) + " is not allowed: s, at most " + std::to_string(kMaxDelaySteps) + " steps of " +
+               numberText(dt) + " s (" + numberText(kMaxDelaySteps * dt) + " s); shorten it or take longer steps");
   }
   layout::StepRecord record{};
   record.batch = {static_cast<std::uint32_t>(options.num_instances),
@@ -252,13 +252,14 @@ void Simulator::setLoad(int instance, float load) {
   impl_->checkTakesObjects();
   impl_->checkInstance(instance);
   if (!std::isnan(load) && std::holds_alternative<Proximity>(impl_->model.sensor().skin.law)) {
-    refuse("load of instance " + std::to_string(instance) + ": the contact law proximity has no forces, so it cannot be driven by load");
+    refuseCall("load of instance " + std::to_string(instance) +
+               ": the contact law proximity has no forces, so it cannot be driven by load");
   }
   if (load < 0 || std::isinf(load))
-    refuse("load of instance " + std::to_string(instance) + ": " + std::to_string(load) + " is not allowed: N, >= 0");
+    refuseCall("load of instance " + std::to_string(instance) + ": " + std::to_string(load) + " is not allowed: N, >= 0");
   if (impl_->data().layer && !impl_->data().isLinked() && !std::isnan(load) && !impl_->data().packed.searches_in_tile) {
-    refuse("load of instance " + std::to_string(instance) + ": " + std::to_string(load) +
-           " is not allowed: none, where a skin with a globally coupled law does not face along z of the sensor frame");
+    refuseCall("load of instance " + std::to_string(instance) + ": " + std::to_string(load) +
+               " is not allowed: none, where a skin with a globally coupled law does not face along z of the sensor frame");
   }
   impl_->loads[static_cast<std::size_t>(instance)] = load;
   impl_->buffers.input<block::Instances>()[static_cast<std::size_t>(instance)].drive.x = load;
@@ -296,10 +297,10 @@ void Simulator::reset(int instance, std::uint64_t episode, const ReadoutVariatio
   impl_->checkInstance(instance);
   const auto finite_from = [](float value, float low) { return value >= low && !std::isinf(value); };
   if (!finite_from(variation.gain, 0) || !finite_from(variation.gain_spread, 0) || !finite_from(variation.noise, 0)) {
-    refuse("variation of instance " + std::to_string(instance) + ": gain, gain_spread and noise must be finite and >= 0");
+    refuseCall("variation of instance " + std::to_string(instance) + ": gain, gain_spread and noise must be finite and >= 0");
   }
   if (!(skin == SkinVariation{})) {
-    if (!impl_->options.vary_skin) refuse("skin of instance " + std::to_string(instance) + ": a variation needs the option vary_skin");
+    if (!impl_->options.vary_skin) refuseCall("skin of instance " + std::to_string(instance) + ": a variation needs the option vary_skin");
     checkBelow("skin of instance " + std::to_string(instance), [&] { checkVariation(impl_->model.sensor(), skin); });
   }
   impl_->vary(static_cast<std::size_t>(instance), episode, variation, skin);

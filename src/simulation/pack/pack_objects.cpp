@@ -20,7 +20,7 @@ static_assert(layout::kLatticeBits == kLatticeBits && layout::kQuadsPerCluster =
 constexpr std::uint32_t kMaxClusters = 1u << (layout::kFirstBits - 2);
 
 // Stands for infinity in bounds; squares of it are finite floats.
-constexpr float kEndless = 1e9f;
+constexpr float kEndlessHeight = 1e9f;
 
 // Faces that a polyhedron may have: with more, rastering its triangles is as fast.
 constexpr std::size_t kMaxFaces = 16;
@@ -165,8 +165,8 @@ PackedObjects packObjects(std::span<const Object> objects, const SampleGrid& gri
     layout::ObjectRecord record{};
     const Bounds bounds = boundsOf(object);
     for (int axis = 0; axis < 3; ++axis) {
-      const double low = std::max<double>(bounds.min[axis], -kEndless);
-      const double high = std::min<double>(bounds.max[axis], kEndless);
+      const double low = std::max<double>(bounds.min[axis], -kEndlessHeight);
+      const double high = std::min<double>(bounds.max[axis], kEndlessHeight);
       record.center[axis] = static_cast<float>((low + high) / 2);
       record.half_size[axis] = static_cast<float>((high - low) / 2 * (1 + 1e-6));
     }

@@ -11,7 +11,7 @@
 namespace taxelsim {
 namespace {
 
-constexpr std::uint32_t kMostSums = ContactFeaturesInterface::kMostSums;
+constexpr std::uint32_t kMostPartSums = ContactFeaturesInterface::kMostSums;
 
 // Loop iterations that one invocation alone would take for the regions of an instance.
 std::uint64_t regionIterations(const ModelData& model, int max_regions) {
@@ -28,7 +28,7 @@ std::uint64_t regionIterations(const ModelData& model, int max_regions) {
 // The same for a part.
 std::uint64_t partIterations(const ModelData& model) {
   constexpr std::uint64_t kNumScans = 7;  // over the taxels of a part, at most
-  return kNumScans * (model.num_taxels + 2ull * kMostSums * model.packed_contact.lanes);
+  return kNumScans * (model.num_taxels + 2ull * kMostPartSums * model.packed_contact.lanes);
 }
 
 }  // namespace
@@ -86,7 +86,7 @@ gpu::PassKernel<ContactFeaturesInterface> ContactFeaturePasses::makeFeatures(int
                                    .REGIONS = max_regions,
                                    .PATCHES = packed.num_patches,
                                    .LAST_PLANE = model_.sensor.patches.size(),
-                                   .PARTIALS = sizes.numPartials(kMostSums),
+                                   .PARTIALS = sizes.numPartials(kMostPartSums),
                                    .NOISE = readout.noise,
                                    .SLOPE = slopeAtZero(readout) * readout.output_scale,
                                    .STIFFNESS = packed.stiffness,

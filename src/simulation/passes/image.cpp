@@ -20,7 +20,7 @@ std::uint64_t iterationsOfTime(const Readout& readout) {
 }
 
 // Loop iterations that one invocation alone would take for an instance.
-std::uint64_t iterationsOf(const ModelData& model) {
+std::uint64_t imageIterations(const ModelData& model) {
   constexpr std::uint64_t kLinearCurve = 8, kCurve = 64;  // of a taxel's readout
   const Sensor& sensor = model.sensor;
   const std::uint64_t sources =
@@ -48,7 +48,7 @@ bool isShort(const Readout& readout, const ImagePass::Variant& variant) {
 }  // namespace
 
 ImagePass::ImagePass(const ModelData& model, const ModelOptions& options, const Tuning& tuning) : model_(model) {
-  const std::uint64_t iterations = iterationsOf(model);
+  const std::uint64_t iterations = imageIterations(model);
   const std::uint32_t lanes = model.packed.image_lanes;
   sizes_ = teamSizes(options.image_workgroup, model.profile, iterations, lanes, lanes);
   if (tuning.image_team != 0) {

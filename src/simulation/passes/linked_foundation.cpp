@@ -11,7 +11,7 @@ namespace {
 
 // Loop iterations that one invocation alone would take in a third of the largest contact, one that covers the array: a driver allows three
 // times as many as small workgroups are chosen for.
-std::uint64_t iterationsOf(const ModelData& model) {
+std::uint64_t linkedIterations(const ModelData& model) {
   constexpr std::uint64_t kOtherLoops = 4;  // over the nodes
   const std::uint64_t loops_of_node = model.linked->num_fours > 1 ? 2 + model.linked->num_fours : 1;
   const std::uint64_t loops_of_cuts = model.area() ? loops_of_node : 0;
@@ -23,7 +23,7 @@ std::uint64_t iterationsOf(const ModelData& model) {
 }  // namespace
 
 LinkedFoundationPass::LinkedFoundationPass(const ModelData& model, const ModelOptions& options) : model_(model) {
-  sizes_.workgroup = tunedWorkgroup(options.contact_workgroup, model.profile, iterationsOf(model), "contact_workgroup");
+  sizes_.workgroup = tunedWorkgroup(options.contact_workgroup, model.profile, linkedIterations(model), "contact_workgroup");
 }
 
 void LinkedFoundationPass::record(Recorder& recorder, const Variant& variant) const {

@@ -15,7 +15,7 @@ namespace taxelsim {
 namespace {
 
 constexpr std::uint32_t kWorkgroup = gpu::DriverProfile::kIndependentWorkgroup;  // of the passes over taxels
-constexpr std::uint32_t kMostSums = TactileJacobianInterface::kMostSums;
+constexpr std::uint32_t kMostJacobianSums = TactileJacobianInterface::kMostSums;
 constexpr std::uint64_t kNumTwist = 6;  // coordinates
 
 // Sources or receivers of a taxel that an invocation goes through: of a kernel once, of a list for each coordinate.
@@ -25,9 +25,9 @@ std::uint64_t numSpreads(const ModelData& model) {
 }
 
 // Loop iterations that one invocation alone would take for a part.
-std::uint64_t partIterations(const ModelData& model) {
+std::uint64_t jacobianIterations(const ModelData& model) {
   constexpr std::uint64_t kNumScans = 8;  // over the taxels of a part, or tiles
-  return model.num_taxels * (kNumScans + numSpreads(model) + kNumTwist) + kNumScans * kMostSums * model.packed_contact.lanes;
+  return model.num_taxels * (kNumScans + numSpreads(model) + kNumTwist) + kNumScans * kMostJacobianSums * model.packed_contact.lanes;
 }
 
 // Whether a taxel gives each of its sources what it takes from it: a spread by distance, or a kernel that is the same when it is turned by
@@ -110,14 +110,14 @@ TactileJacobianPasses::TaxelKernels TactileJacobianPasses::makeTaxelKernels() co
 TactileJacobianPasses::FeatureKernel TactileJacobianPasses::makeFeatureKernel(const Variant& variant) const {
   const Readout& readout = model_.sensor.readout;
   const std::uint32_t lanes = model_.packed_contact.lanes;
-  const TeamSizes sizes = teamSizes(wanted_workgroup_, model_.profile, partIterations(model_), lanes, lanes);
+  const TeamSizes sizes = teamSizes(wanted_workgroup_, model_.profile, jacobianIterations(model_), lanes, lanes);
   return {{model_.context(), "tactile_jacobian", model_.profile.select(k_tactile_jacobian_variants, sizes.pass.workgroup),
            commonConstants(model_.sensor, model_.packed, sizes.pass),
            TactileJacobianInterface{.CLEAN = variant.clean,
                                     .TEAM = sizes.team,
                                     .PATCHES = model_.packed_contact.num_patches,
                                     .LAST_PLANE = model_.sensor.patches.size(),
-                                    .PARTIALS = sizes.numPartials(kMostSums),
+                                    .PARTIALS = sizes.numPartials(kMostJacobianSums),
                                     .NUM_ENTRIES = model_.packed.num_entries,
                                     .TRIGGER = readout.trigger,
                                     .SATURATION_FORCE = nominalForce(readout, readout.saturation) - readout.trigger,
