@@ -43,6 +43,7 @@ configure_and_build() {
     options+=(-DCMAKE_EXE_LINKER_FLAGS=-fuse-ld=mold -DCMAKE_SHARED_LINKER_FLAGS=-fuse-ld=mold)
   fi
   cmake --preset "$chosen" "${options[@]}" "${cmake_options[@]}" >"build/$chosen.configure.log" 2>&1 || { cat "build/$chosen.configure.log" >&2; return 1; }
+  sed -n 's/^-- \(Tests on recordings\)/\1/p' "build/$chosen.configure.log"
   cmake --build --preset "$chosen" --parallel "$jobs" "${targets[@]}" -- --quiet
 }
 

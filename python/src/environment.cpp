@@ -56,7 +56,7 @@ void init(SharedEnvironment* self, const DeviceHandle& device, const Scene& scen
   new (self) SharedEnvironment(device.get(), scene, {.num_instances = num_instances, .outputs = outputs, .max_regions = max_regions});
 }
 
-void reset(SharedEnvironment& self, const Column<std::uint8_t>& mask, const Column<std::uint64_t>& episodes) {
+void resetEpisodes(SharedEnvironment& self, const Column<std::uint8_t>& mask, const Column<std::uint64_t>& episodes) {
   self.with([&](Environment& environment) { environment.reset({mask.data(), mask.shape(0)}, {episodes.data(), episodes.shape(0)}); });
 }
 
@@ -142,7 +142,7 @@ std::vector<std::tuple<std::string, bool, double>> jointsOf(const Scene& scene) 
 void bindEnvironment(nb::module_& module) {
   nb::class_<SharedEnvironment>(module, "Environment", "The batch behind taxelsim.Environment.")
       .def("__init__", &init, "device"_a, "scene"_a, "num_instances"_a, "outputs"_a, "max_regions"_a, nb::call_guard<WithoutGil>())
-      .def("reset", &reset, "mask"_a, "episodes"_a)
+      .def("reset", &resetEpisodes, "mask"_a, "episodes"_a)
       .def("step", &stepTwists, "twists"_a, "num_frames"_a)
       .def("step_joints", &stepJoints, "velocities"_a, "num_frames"_a)
       .def("advance", &advance, "num_frames"_a)

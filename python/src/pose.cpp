@@ -1,4 +1,4 @@
-// Poses, and rotation matrices to quaternions.
+// PoseRows, and rotation matrices to quaternions.
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/vector.h>
@@ -57,9 +57,9 @@ bool isRigid(const double (&X)[4][4]) {
 }
 
 using Matrices = nb::ndarray<const double, nb::shape<-1, 4, 4>, nb::c_contig, nb::device::cpu>;
-using Poses = nb::ndarray<double, nb::shape<-1, 7>, nb::c_contig, nb::device::cpu>;
+using PoseRows = nb::ndarray<double, nb::shape<-1, 7>, nb::c_contig, nb::device::cpu>;
 
-void posesFromMatrices(const Matrices& matrices, const Poses& poses, int rows_per_instance) {
+void posesFromMatrices(const Matrices& matrices, const PoseRows& poses, int rows_per_instance) {
   for (std::size_t i = 0; i < matrices.shape(0); ++i) {
     const double* const first = matrices.data() + 16 * i;
     double X[4][4];
