@@ -120,7 +120,7 @@ nlohmann::ordered_json describe(const Ticks& ticks) {
 nlohmann::ordered_json runRobot(const Model& model, Scene scene, const std::string& name, const Robot& robot, const Options& options) {
   scene.robot = robot;
   scene.num_steps = options.num_ticks + kWarmUps;
-  SlicePlan plan(scene, {.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false});
+  SlicePlan plan(scene, kNoOutputs);
   plan.sink_reads = {.object_poses = false, .sensor_poses = false, .actions = false, .robot_status = true, .joints = false};
   plan.host_threads = options.num_threads;
   plan.loops = options.loops;

@@ -203,8 +203,6 @@ std::vector<float> computeFrames(const Device& device, const Sensor& sensor, con
   return values;
 }
 
-constexpr OutputOptions kNoOutputs{.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false};
-
 }  // namespace
 
 nlohmann::ordered_json toJson(const FrameCounts& counts) {

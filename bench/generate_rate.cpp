@@ -97,10 +97,7 @@ double deviceSeconds(const Model& model, const Scene& scene, const Replay& repla
   double seconds = 0;
   for (int first = 0; first < num_episodes; first += slice_size) {
     const int size = std::min(slice_size, num_episodes - first);
-    Simulator simulator(model, {.num_instances = size,
-                                .seed = scene.seed,
-                                .outputs = {.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false},
-                                .device_clock = true});
+    Simulator simulator(model, {.num_instances = size, .seed = scene.seed, .outputs = kNoOutputs, .device_clock = true});
     std::vector<Pose> X_SO(size);
     const auto step = [&](int frame) {
       for (int i = 0; i < size; ++i) X_SO[i] = replay.X_SO[static_cast<std::size_t>(first + i) * replay.num_steps + frame];

@@ -19,7 +19,7 @@ namespace taxelsim {
 struct EnvironmentOptions {
   int num_instances = 1;  ///< N, instances of the batch, 1 to what device memory holds.
   /// Optional outputs in EnvironmentView::frame. Default: none.
-  OutputOptions outputs{.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false};
+  OutputOptions outputs = kNoOutputs;
   int max_regions = 0;  ///< Rows of contact features for regions, 0 to kMaxRegions; 0 without such features.
 };
 

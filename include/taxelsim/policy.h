@@ -30,7 +30,7 @@ struct Policy {
   std::string name = "policy";  ///< Name in Evaluation::controller, other than those of the scene's controllers.
   std::string id = {};          ///< Identity that a data set stores, such as the SHA-256 of an ONNX file. Required by generate().
   /// Optional outputs in PolicyInput::view. Default: none.
-  OutputOptions outputs{.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false};
+  OutputOptions outputs = kNoOutputs;
   /// Rows of contact features for regions, 0 to kMaxRegions. As many as the scene records, if it records contact features.
   int max_regions = 0;
   /// Writes the twists (N) of sensor 0 in S, all rows of `instances`. Others are ignored.

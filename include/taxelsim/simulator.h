@@ -2,6 +2,7 @@
 /// A batch of sensor instances over one Model: poses or contact points in, tactile images and features out.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -39,6 +40,38 @@ struct OutputOptions {
   bool taxel_jacobian = false;          ///< GroundTruthView::taxel_jacobian; one device pass, and one that the others share.
   bool vjp = false;                     ///< Simulator::vjp(); only the pass that the others share. No Jacobian is read back.
 };
+
+/// No optional outputs.
+inline constexpr OutputOptions kNoOutputs{.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false};
+
+/// A member of OutputOptions.
+struct OutputEntry {
+  const char* name;             ///< Its name.
+  bool OutputOptions::*member;  ///< The member.
+  const char* where;            ///< Where a caller finds the output, in Python's words.
+  bool is_derivative = false;   ///< Needs the derivatives of forces by a twist of the sensor.
+};
+
+/// All members of OutputOptions. A new output is a member and a line here.
+inline constexpr std::array<OutputEntry, 10> kOutputs{{
+    {"tactile_normal_force", &OutputOptions::tactile_normal_force, "frame.ground_truth.tactile_normal_force"},
+    {"tactile_shear_force", &OutputOptions::tactile_shear_force, "frame.ground_truth.tactile_shear_force"},
+    {"penetration_depth", &OutputOptions::penetration_depth, "frame.ground_truth.penetration_depth"},
+    {"taxel_counts", &OutputOptions::taxel_counts, "frame.taxel_counts"},
+    {"contact_features", &OutputOptions::contact_features, "frame.contact"},
+    {"clean_contact_features", &OutputOptions::clean_contact_features, "frame.ground_truth.contact"},
+    {"tactile_jacobian", &OutputOptions::tactile_jacobian, "frame.jacobian", true},
+    {"clean_tactile_jacobian", &OutputOptions::clean_tactile_jacobian, "frame.ground_truth.jacobian", true},
+    {"taxel_jacobian", &OutputOptions::taxel_jacobian, "frame.ground_truth.taxel_jacobian", true},
+    {"vjp", &OutputOptions::vjp, "Simulator.vjp()", true},
+}};
+static_assert(kOutputs.size() == sizeof(OutputOptions), "every output is a bool with a line in the table");
+
+/// Outputs of `a`, of `b`, or of both.
+constexpr OutputOptions operator|(OutputOptions a, const OutputOptions& b) {
+  for (const OutputEntry& output : kOutputs) a.*output.member |= b.*output.member;
+  return a;
+}
 
 /// Options of a Simulator.
 struct SimulatorOptions {

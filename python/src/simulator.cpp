@@ -11,6 +11,7 @@
 #include <mutex>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "frame_views.h"
 #include "handles.h"
@@ -141,16 +142,13 @@ void placeByAnchor(const ModelHandle& model, const Ids& ids, const WritablePoses
 void bindOptions(nb::module_& module) {
   nb::class_<OutputOptions> outputs(module, "OutputOptions",
                                     "Optional outputs of a Simulator. Features and the tactile image are always computed.");
-  addFields(outputs, field("tactile_normal_force", &OutputOptions::tactile_normal_force, "frame.ground_truth.tactile_normal_force."),
-            field("tactile_shear_force", &OutputOptions::tactile_shear_force, "frame.ground_truth.tactile_shear_force."),
-            field("penetration_depth", &OutputOptions::penetration_depth, "frame.ground_truth.penetration_depth."),
-            field("taxel_counts", &OutputOptions::taxel_counts, "frame.taxel_counts; needs Readout.three_axis."),
-            field("contact_features", &OutputOptions::contact_features, "frame.contact."),
-            field("clean_contact_features", &OutputOptions::clean_contact_features, "frame.ground_truth.contact."),
-            field("tactile_jacobian", &OutputOptions::tactile_jacobian, "frame.jacobian."),
-            field("clean_tactile_jacobian", &OutputOptions::clean_tactile_jacobian, "frame.ground_truth.jacobian."),
-            field("taxel_jacobian", &OutputOptions::taxel_jacobian, "frame.ground_truth.taxel_jacobian."),
-            field("vjp", &OutputOptions::vjp, "Simulator.vjp()."));
+  [&]<std::size_t... I>(std::index_sequence<I...>) {
+    addFields(outputs, field(kOutputs[I].name, kOutputs[I].member, kOutputs[I].where)...);
+  }
+  (std::make_index_sequence<kOutputs.size()>());
+  nb::dict where;
+  for (const OutputEntry& output : kOutputs) where[output.name] = output.where;
+  module.attr("OUTPUTS") = where;
   nb::class_<SimulatorOptions> options(module, "SimulatorOptions", "Options of a Simulator.");
   addFields(options, field("num_instances", &SimulatorOptions::num_instances, "N, >= 1."),
             field("num_slots", &SimulatorOptions::num_slots, "Objects per instance, 1 to 8."),

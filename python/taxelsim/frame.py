@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from ._core import OUTPUTS
+
 if TYPE_CHECKING:
     from typing_extensions import Self
 
@@ -74,6 +76,11 @@ class Arrays:
 
 def _copied(arrays: Mapping[str, Any]) -> dict[str, Any]:
     return {name: _copied(value) if isinstance(value, Mapping) else value.copy() for name, value in arrays.items()}
+
+
+def _requested_in(group: str) -> dict[str, str]:
+    """Field of OutputOptions by the attribute of a group of arrays that it requests."""
+    return {where.rpartition(".")[2]: name for name, where in OUTPUTS.items() if where.rpartition(".")[0] == group}
 
 
 class Features(Arrays):
@@ -145,14 +152,7 @@ class GroundTruth(Features):
     """Values that no sensor could measure: before time behaviour, readout and noise."""
 
     _nested: ClassVar = {"contact": ContactFeatures, "jacobian": CleanTactileJacobian}
-    _requests: ClassVar = {
-        "tactile_normal_force": "tactile_normal_force",
-        "tactile_shear_force": "tactile_shear_force",
-        "penetration_depth": "penetration_depth",
-        "taxel_jacobian": "taxel_jacobian",
-        "contact": "clean_contact_features",
-        "jacobian": "clean_tactile_jacobian",
-    }
+    _requests: ClassVar = _requested_in("frame.ground_truth")
 
     tactile_normal_force: FloatArray
     """(N, num_rows, num_cols), N, after the point spread; (N, num_taxels) for sensors of several patches."""
@@ -189,7 +189,7 @@ class Frame(Features):
     """One frame of the whole batch. Features come from `tactile_image`, converted to newtons by the nominal curve."""
 
     _nested: ClassVar = {"contact": ContactFeatures, "jacobian": TactileJacobian, "ground_truth": GroundTruth}
-    _requests: ClassVar = {"taxel_counts": "taxel_counts", "contact": "contact_features", "jacobian": "tactile_jacobian"}
+    _requests: ClassVar = _requested_in("frame")
 
     tactile_image: IntArray | FloatArray
     """(N, num_rows, num_cols), counts, int32; (N, num_taxels) for sensors of several patches. With image_unit="newtons" N by the nominal

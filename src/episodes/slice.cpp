@@ -1,11 +1,7 @@
 #include "episodes/slice.h"
 
-#include <algorithm>
-#include <array>
-#include <bit>
 #include <chrono>
 #include <ctime>
-#include <functional>
 #include <string>
 #include <utility>
 
@@ -49,16 +45,6 @@ class ThreadStopwatch {
 
 DeviceTraffic operator-(const DeviceTraffic& a, const DeviceTraffic& b) {
   return {a.num_submits - b.num_submits, a.bytes_to_device - b.bytes_to_device, a.bytes_from_device - b.bytes_from_device};
-}
-
-// All outputs of both. Works on the bytes, so that no field can be left out.
-OutputOptions operator|(const OutputOptions& a, const OutputOptions& b) {
-  using Flags = std::array<bool, sizeof(OutputOptions)>;
-  static_assert(alignof(OutputOptions) == alignof(bool), "every output is a bool");
-  auto flags = std::bit_cast<Flags>(a);
-  const auto others = std::bit_cast<Flags>(b);
-  std::transform(flags.begin(), flags.end(), others.begin(), flags.begin(), std::logical_or<>());
-  return std::bit_cast<OutputOptions>(flags);
 }
 
 }  // namespace

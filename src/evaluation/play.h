@@ -12,7 +12,6 @@
 namespace taxelsim {
 
 // Outputs beyond the features, which an evaluation does not need.
-inline constexpr OutputOptions kNoOutputs{.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false};
 
 // Throws Error(kInput) for more episodes than one evaluation keeps.
 void checkEpisodesOfEvaluation(std::uint64_t num_episodes);

@@ -13,7 +13,6 @@ namespace taxelsim {
 namespace {
 
 constexpr double kDecayFrom = 0.5, kDecayTo = 0.1;  // of the target; below, the rounding of the readout to counts shows
-constexpr OutputOptions kNoOutputs{.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false};
 
 // Mean factor of the error per frame between its last value above kDecayFrom and its first one below kDecayTo, both of the target.
 double decayOf(const GraspFingerTrace& finger) {

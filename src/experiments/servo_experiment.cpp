@@ -37,7 +37,7 @@ struct Episode {
 };
 
 Episode simulate(const Model& model, const Scene& scene) {
-  const SlicePlan plan(scene, {.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false});
+  const SlicePlan plan(scene, kNoOutputs);
   TraceSink sink(scene);
   std::vector<std::unique_ptr<Slice>> slices;
   slices.push_back(std::make_unique<Slice>(model, plan, 1, sink));
@@ -148,7 +148,7 @@ StaticCharacteristic characteristicOf(const Model& model, const Scene& scene, co
     poses.push_back(about * Pose{{0, 0, 0}, axisAngle({0, 0, 1}, result.error.back() - start)} * back * X_SO);
   }
   const std::vector<int> ids(poses.size(), 0);
-  const SlicePlan plan(scene, {.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false});
+  const SlicePlan plan(scene, kNoOutputs);
   SimulatorOptions options = plan.simulatorOptions(1);
   options.num_instances = static_cast<int>(poses.size());
   Simulator simulator(model, options);

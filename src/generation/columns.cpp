@@ -365,14 +365,9 @@ ColumnPlan planColumns(const Scene& scene) {
 
 OutputOptions outputsOf(const Scene& scene) {
   const std::set<std::string> groups = groupsOf(scene);
-  return {.tactile_normal_force = groups.contains("tactile_normal_force"),
-          .tactile_shear_force = groups.contains("tactile_shear_force"),
-          .penetration_depth = groups.contains("penetration_depth"),
-          .taxel_counts = groups.contains("taxel_counts"),
-          .contact_features = groups.contains("contact_features"),
-          .clean_contact_features = groups.contains("clean_contact_features"),
-          .tactile_jacobian = groups.contains("tactile_jacobian"),
-          .clean_tactile_jacobian = groups.contains("clean_tactile_jacobian")};
+  OutputOptions outputs;
+  for (const OutputEntry& output : kOutputs) outputs.*output.member = groups.contains(output.name);
+  return outputs;
 }
 
 std::size_t rowBytes(const Column& column) {

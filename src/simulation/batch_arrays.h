@@ -1,6 +1,7 @@
 // Every array of a batch in one table: its block, its size per instance, where it lives and whether it is read back.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -11,6 +12,12 @@
 #include "taxelsim/simulator.h"
 
 namespace taxelsim {
+
+// The first of the outputs that needs derivatives of forces, or the end of kOutputs.
+inline auto derivativeIn(const OutputOptions& outputs) {
+  return std::find_if(kOutputs.begin(), kOutputs.end(),
+                      [&](const OutputEntry& entry) { return entry.is_derivative && outputs.*entry.member; });
+}
 
 // What the sizes depend on.
 struct BatchShape {
@@ -23,10 +30,7 @@ struct BatchShape {
   bool hasLayer() const { return model.layer.has_value() && !takesContacts(); }
   bool outputsShear() const { return hasFriction() && (options.outputs.tactile_shear_force || options.outputs.taxel_counts); }
   bool outputsContactFeatures() const { return options.outputs.contact_features || options.outputs.clean_contact_features; }
-  bool outputsJacobian() const {
-    const OutputOptions& outputs = options.outputs;
-    return outputs.tactile_jacobian || outputs.clean_tactile_jacobian || outputs.taxel_jacobian || outputs.vjp;
-  }
+  bool outputsJacobian() const { return derivativeIn(options.outputs) != kOutputs.end(); }
 };
 
 // After what the host reads an array.

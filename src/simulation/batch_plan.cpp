@@ -56,15 +56,10 @@ void checkRegions(const SimulatorOptions& options) {
 }
 
 void checkJacobian(const ModelData& model, const SimulatorOptions& options) {
-  const OutputOptions& outputs = options.outputs;
-  const char* name = outputs.tactile_jacobian         ? "tactile_jacobian"
-                     : outputs.taxel_jacobian         ? "taxel_jacobian"
-                     : outputs.clean_tactile_jacobian ? "clean_tactile_jacobian"
-                     : outputs.vjp                    ? "vjp"
-                                                      : nullptr;
-  if (name == nullptr) return;
+  const auto* const wanted = derivativeIn(options.outputs);
+  if (wanted == kOutputs.end()) return;
   const auto refuse = [&](const char* why) {
-    throw Error(ErrorKind::kInput, std::string("outputs.") + name + ": true is not allowed " + why);
+    throw Error(ErrorKind::kInput, std::string("outputs.") + wanted->name + ": true is not allowed " + why);
   };
   if (options.max_contacts > 0) refuse("where max_contacts > 0: contacts do not determine how forces change with a motion");
   if (options.vary_skin) refuse("where vary_skin is true: it has no factors per instance");

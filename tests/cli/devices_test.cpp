@@ -32,7 +32,7 @@ TEST(DevicesPlan, CountsTheJacobianThatAControllerNeeds) {
   for (const SceneObject& object : scene.objects) options.objects.push_back(object.object);
   for (const nlohmann::json& device : nlohmann::json::parse(outcome.out)) {
     const Model model(Device::open({.device = std::to_string(device["index"].get<int>())}), options);
-    OutputOptions outputs{.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false};
+    OutputOptions outputs = kNoOutputs;
     const std::uint64_t without = Simulator::plan(model, {.outputs = outputs}).bytes_per_instance;
     outputs.tactile_jacobian = true;
     const MemoryPlan with = Simulator::plan(model, {.outputs = outputs});

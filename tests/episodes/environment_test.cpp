@@ -88,7 +88,7 @@ Recording recordEnvironment(Environment& environment, std::uint64_t num_episodes
 }
 
 Recording recordSlice(const Model& model, const Scene& scene, int num_instances, int host_threads = 1) {
-  SlicePlan plan(scene, {.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false});
+  SlicePlan plan(scene, kNoOutputs);
   plan.host_threads = host_threads;
   RecordingSink sink(scene.num_episodes, num_instances);
   std::vector<std::unique_ptr<Slice>> slices;

@@ -20,7 +20,6 @@ namespace taxelsim {
 
 using Loops = SlicePlan::Loops;
 
-inline constexpr OutputOptions kNoOutputs{.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false};
 inline constexpr double kDegree = std::numbers::pi / 180;
 
 inline const Device& device() {

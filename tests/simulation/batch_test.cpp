@@ -337,8 +337,7 @@ TEST(BatchOnEveryDriver, ReportsOverPenetration) {
 TEST(BatchOnEveryDriver, OutputsThatAreOffAreEmpty) {
   const Sensor sensor = support::gridSensor();
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.005})}});
-  Simulator lean(model, {.outputs = {.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false}}),
-      full(model, {});
+  Simulator lean(model, {.outputs = kNoOutputs}), full(model, {});
   for (Simulator* simulator : {&lean, &full}) {
     support::setTouches(*simulator, {{{0}, {{.position = {0, 0, 0.0045}}}}});
     simulator->step(kDt);

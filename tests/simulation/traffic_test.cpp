@@ -29,10 +29,7 @@ class Traffic : public ::testing::Test {
  protected:
   static Sensor sensor() { return support::gridSensor({.num_rows = 4, .num_cols = 6, .samples_per_taxel = 2}); }
   static std::vector<Object> spheres() { return {Object(Sphere{0.005})}; }
-  static SimulatorOptions options() {
-    return {.num_instances = kInstances,
-            .outputs = {.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false}};
-  }
+  static SimulatorOptions options() { return {.num_instances = kInstances, .outputs = kNoOutputs}; }
   static void place(Simulator& simulator, std::size_t num_slots) {
     simulator.setObjects(std::vector<int>(kInstances * num_slots, 0),
                          std::vector<Pose>(kInstances * num_slots, {.position = {0, 0, 0.0045}}));

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core import DeviceType, ElasticLayer, Friction, GridPatch, LuGre, Model, OutputOptions, Pasternak, Pose, Proximity, Sensor, Winkler
+from .._core import DeviceType, ElasticLayer, Friction, GridPatch, LuGre, Model, Pasternak, Pose, Proximity, Sensor, Winkler
+from ..environment import NO_OUTPUTS
 from ..errors import InputError
 from ..frame import GroundTruth
 from ..simulator import Simulator
@@ -67,8 +68,7 @@ class Probe:
         sensor = model.sensor
         skin = sensor.skin.replace(friction=Friction(), relaxation=[])
         bare = Model(model.device, sensor.replace(skin=skin), model.objects)
-        outputs = OutputOptions(tactile_normal_force=False, tactile_shear_force=False, penetration_depth=False)
-        self.simulator = Simulator(bare, 7 * num_contacts, outputs=outputs)
+        self.simulator = Simulator(bare, 7 * num_contacts, outputs=NO_OUTPUTS)
         self.units = np.repeat([1, 1 / lever], 3)  # of the twist's coordinates: all move the edge of the sensor by about a shift
 
     def stiffness(self, ids: NDArray[np.int32], poses: Array, depths: Array, dt: float) -> Array:
