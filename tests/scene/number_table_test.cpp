@@ -24,7 +24,7 @@ TEST(NumberTable, FindsColumnsByNameInSiUnits) {
   EXPECT_THAT(table.require(kForce), ElementsAre(0.5, -0.001));
   EXPECT_THAT(table.require(kDepth), ElementsAre(testing::DoubleEq(250e-6), 0));
   EXPECT_THAT(table.require(kCounts), ElementsAre(7, 8));
-  EXPECT_TRUE(table.find(kTime).empty());
+  EXPECT_TRUE(table.find(kRecordedTime).empty());
 }
 
 TEST(NumberTable, FindsTaxelsByPattern) {
