@@ -93,6 +93,7 @@ GenerateResult generateGrasp(const Device& device, const Scene& scene, const std
   refuseOptions(scene, options);
   GraspRun grasps(device, scene, manifest, options);
   manifest.probe_sha256 = probeOf(grasps);
+  if (options.stop != nullptr && *options.stop) return unverifiedResult(manifest);  // the probe is incomplete
   DatasetWriter writer(directory, manifest, writerOptions(options));
   if (!writer.isVerified()) return unverifiedResult(manifest);
   ShardRun run(options, writer, manifest, scene.num_steps);

@@ -48,8 +48,11 @@ TEST(GraspDataSet, HasTheSameBytesForAnyBatchAndAfterAStop) {
     generate(device(), scene(), path, {.batch_size = batch_size});
     EXPECT_TRUE(expected == shardsOf(path)) << batch_size;
   }
-  std::atomic<bool> stop = false;
+  std::atomic<bool> stop = true;
   const std::filesystem::path path = directory.path() / "stopped";
+  EXPECT_FALSE(generate(device(), scene(), path, {.stop = &stop}).verified);
+  EXPECT_FALSE(std::filesystem::exists(path)) << "its probe would be incomplete";
+  stop = false;
   const GenerateResult first =
       generate(device(), scene(), path, {.batch_size = 3, .on_progress = [&](const Progress&) { stop = true; }, .stop = &stop});
   EXPECT_FALSE(first.complete);
