@@ -159,15 +159,6 @@ class DatasetWriter {
   /// Throws Error(kInput) if the shard is already complete, Error(kIo) if the file system refuses.
   void writeShard(std::uint64_t shard, const ShardData& data);
 
-  /// Lets writers that share it (DatasetWriterOptions::shards) into the directory. From now on claim() decides who writes a shard. Without
-  /// effect for a writer that shares it already. Throws Error(kIo) if the file system refuses or another process is writing.
-  void share();
-
-  /// Takes the directory back after share(): excludes other writers, removes left-over temporary files, and verifies the shards that others
-  /// wrote. False if *stop became true during that. Throws Error(kIo) if another process is still writing, and Error(kInput) for a shard
-  /// that differs from its checksum.
-  bool takeBack(const std::atomic<bool>* stop = nullptr);
-
   /// Writes the virtual view, its checksum and dataset.checksums atomically. Only for a writer that has the directory to itself. Throws
   /// Error(kIo) if a shard is missing.
   void finish();

@@ -19,18 +19,6 @@
 
 namespace taxelsim {
 
-/// Other processes of this machine that make shards of the same data set at the same time. generate() starts none by itself.
-struct GenerateWorkers {
-  /// Processes, with this one, >= 1; each plans with its share of the memory. Default 1, this process alone.
-  int num_processes = 1;
-  /// Called once, from the caller's thread, when the directory is verified and shards are missing, with the number of episodes in them. May
-  /// start processes that call generate() with GenerateOptions::shards. generate() makes the shards that they do not. Default: none.
-  std::function<void(std::uint64_t num_episodes)> start{};
-  /// Called from the caller's thread at the end, also after a stop: returns when the processes that start() started have ended. Required
-  /// with `start`.
-  std::function<void()> join{};
-};
-
 /// Options of generate(). The others than `policy` and `episodes` do not change a byte of a shard.
 struct GenerateOptions {
   int batch_size = 2048;      ///< Instances over all slices, >= 1. Default 2048.
@@ -45,8 +33,9 @@ struct GenerateOptions {
   /// of device; see DatasetWriterOptions::shards. finishDataset() completes the data set. Default: none, the whole data set by this
   /// process.
   std::optional<ShardRange> shards{};
-  /// Other processes that make shards at the same time. Scenes of kind servo and contacts only. Default: none.
-  GenerateWorkers workers{};
+  /// Processes of this machine that make shards at the same time, with this one, >= 1. Each takes its part of the memory and the
+  /// processors, and the caller warns of their contact_misses together. Default 1.
+  int num_processes = 1;
   /// Called while the shards on disk are verified; see DatasetWriterOptions::on_verify. Default: none.
   std::function<void(std::uint64_t num_verified, std::uint64_t num_shards)> on_verify{};
   /// Graceful stop: when *stop becomes true, generate() abandons unfinished shards, keeps complete ones, and returns. May be set from any
@@ -83,7 +72,8 @@ struct GenerateResult {
   bool verified = true;                 ///< Whether all shards on disk were verified; false after a stop before that.
   std::uint64_t num_load_misses = 0;    ///< Contacts whose load was out of reach; also a column of the data set.
   std::vector<LoadMisses> load_misses;  ///< (num_objects), the same by object.
-  /// (num_fingers) of a scene of kind grasp, else (1): episodes without contact. generate() logs a warning if there are any.
+  /// (num_fingers) of a scene of kind grasp, else (1): episodes without contact. generate() logs a warning if there are any and it
+  /// is the only process.
   std::vector<ContactMisses> contact_misses;
 };
 

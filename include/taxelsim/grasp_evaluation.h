@@ -5,9 +5,11 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "taxelsim/contact_misses.h"
 #include "taxelsim/device.h"
 #include "taxelsim/evaluate.h"
 #include "taxelsim/progress.h"
@@ -54,6 +56,7 @@ struct GraspEvaluation {
   std::vector<GraspVerdict> verdicts;  ///< (num_episodes), in order of episodes.
   FingerScore total;                   ///< Over all fingers of each episode.
   std::vector<FingerScore> fingers;    ///< (num_fingers), in the order of Grasp::fingers.
+  std::vector<ContactMisses> misses;   ///< (num_fingers), episodes without contact. evaluateGrasp() of all episodes logs a warning of them.
 };
 
 /// Options of evaluateGrasp(). They do not change a verdict.
@@ -66,6 +69,8 @@ struct GraspEvaluateOptions {
   /// Graceful stop: when *stop becomes true, evaluateGrasp() returns the gains that are complete. May be set from any thread. Not owned;
   /// must outlive the call. Default: none.
   const std::atomic<bool>* stop = nullptr;
+  /// Plays these episodes of the scene only; not empty. graspEvaluationOf() puts the verdicts of ranges together. Default: all.
+  std::optional<EpisodeRange> episodes{};
 };
 
 /// Plays the episodes of a scene of kind grasp with each gain, and judges them by Grasp::task. Submits and waits; blocks until all are
@@ -77,5 +82,8 @@ struct GraspEvaluateOptions {
 /// Threads: may be called from several threads at once.
 std::vector<GraspEvaluation> evaluateGrasp(const Device& device, const Scene& scene, const std::vector<double>& gains = {},
                                            const GraspEvaluateOptions& options = {});
+
+/// The evaluation of a gain from its verdicts, in order of episodes, and its misses.
+GraspEvaluation graspEvaluationOf(const Scene& scene, double gain, std::vector<GraspVerdict> verdicts, std::vector<ContactMisses> misses);
 
 }  // namespace taxelsim

@@ -153,12 +153,12 @@ def resolved(folder: Path, scene: taxelsim.Scene) -> Path:
     return file
 
 
-def test_bytes_depend_on_neither_batch_nor_workers_nor_interruption(tmp_path: Path) -> None:
+def test_bytes_depend_on_neither_batch_nor_processes_nor_interruption(tmp_path: Path) -> None:
     scene = written(tmp_path)
     assert program("generate", scene, "-o", tmp_path / "1", "--batch-size", 1).returncode == 0
     expected = files_of(tmp_path / "1")
     assert len([name for name in expected if name.startswith("shard-") and name.endswith(".h5")]) == 3
-    for name, arguments in {"3": ["--batch-size", 3], "64": ["--batch-size", 64], "workers": ["--workers", 2]}.items():
+    for name, arguments in {"3": ["--batch-size", 3], "64": ["--batch-size", 64], "processes": ["--processes", 2]}.items():
         done = program("generate", scene, "-o", tmp_path / name, *arguments)
         assert done.returncode == 0, done.stderr
         assert files_of(tmp_path / name) == expected, name

@@ -13,6 +13,15 @@ inline constexpr int kExitDevice = 1;         // device or file system
 inline constexpr int kExitInput = 2;          // bad arguments or files
 inline constexpr int kExitInterrupted = 130;  // SIGINT: 128 + 2
 
+// Status and line for an exception that ends the program.
+struct Failure {
+  int status;
+  std::string message;
+};
+
+// Of the std::exception that is being handled.
+Failure currentFailure();
+
 // Runs the chosen subcommand after parsing; returns the exit status. May throw Error.
 using Action = std::function<int()>;
 

@@ -8,19 +8,18 @@
 #include <utility>
 
 #include "base/files.h"
-#include "cli/activity.h"
 #include "cli/commands.h"
+#include "cli/driver_threads.h"
 #include "cli/evaluate_grasp.h"
 #include "cli/evaluation_parts.h"
 #include "cli/evaluation_report.h"
 #include "cli/interrupt.h"
 #include "cli/print.h"
-#include "cli/progress.h"
+#include "cli/processes.h"
+#include "cli/run_display.h"
 #include "cli/scene_options.h"
-#include "cli/worker_options.h"
 #include "figures/text.h"
 #include "taxelsim/error.h"
-#include "workers/evaluate_together.h"
 
 namespace taxelsim::cli {
 
@@ -28,10 +27,11 @@ using namespace figures;
 
 namespace {
 
-struct EvaluateArguments : SceneOptions, PartOptions, WorkerOptions {
+struct EvaluateArguments : SceneOptions, PartOptions {
   EvaluationReport report;
   std::vector<std::string> controllers;
   std::vector<double> gains;  // 1/s
+  int num_processes = 1;
 };
 
 // Names of the controllers to evaluate.
@@ -50,99 +50,129 @@ int mergeParts(const EvaluateArguments& arguments) {
   return kExitOk;
 }
 
-// Calls options.on_evaluation with the controllers that are complete, also if it throws after them.
-void evaluateAll(const EvaluateArguments& arguments, const Team& team, const Scene& scene, const EvaluateOptions& options) {
-  if (team.num_processes == 1)
-    evaluate(team.device, scene, arguments.controllers, options);
-  else
-    workers::evaluateTogether(team.device, scene, arguments.controllers, options, team.num_processes);
+// As `report`, but first logs what is evaluated on which device.
+std::function<void(const Progress&)> announced(const Scene& scene, const EpisodeRange& episodes, const Device& device,
+                                               const std::function<void(const Progress&)>& report) {
+  return [=, title = sceneTitle(scene), info = device.info(), is_announced = false](const Progress& progress) mutable {
+    if (!std::exchange(is_announced, true))
+      spdlog::info("{}: {} episodes per controller on {} ({})", title, countText(episodes.size()), info.name, info.driver);
+    report(progress);
+  };
+}
+
+// Appends the part that follows. Leaves out the controllers that are not complete in both.
+void append(EvaluationPart& part, const EvaluationPart& next) {
+  part.episodes.end = next.episodes.end;
+  part.evaluations.resize(std::min(part.evaluations.size(), next.evaluations.size()));
+  for (std::size_t c = 0; c < part.evaluations.size(); ++c) {
+    const std::vector<Verdict>& verdicts = next.evaluations[c].verdicts;
+    part.evaluations[c].verdicts.insert(part.evaluations[c].verdicts.end(), verdicts.begin(), verdicts.end());
+  }
+}
+
+// As evaluatePart(), by processes that play a part of the episodes each.
+EvaluationPart playRange(const EvaluateArguments& arguments, const Scene& scene, const EpisodeRange& episodes, int num_processes) {
+  const std::vector<std::string> results = runProcesses(num_processes, [&](const Process& process) {
+    const auto [first, end] =
+        partOfEpisodes(episodes.size(), static_cast<std::uint64_t>(process.number) + 1, static_cast<std::uint64_t>(num_processes));
+    EvaluateOptions options;
+    options.batch_size = batchShare(arguments.batch_size, num_processes);
+    options.episodes = EpisodeRange{.first = episodes.first + first, .end = episodes.first + end};
+    options.stop = &process.stop;
+    const Device device = openDevice(arguments);
+    options.on_progress = announced(scene, episodes, device, process.report);
+    return evaluationPartText(evaluatePart(device, scene, arguments.controllers, options));
+  });
+  EvaluationPart played = parseEvaluationPart(results.front(), "process 1");
+  for (std::size_t p = 1; p < results.size(); ++p) append(played, parseEvaluationPart(results[p], "process " + std::to_string(p + 1)));
+  return played;
 }
 
 // Plays a part and writes it to its file.
-int playPart(const EvaluateArguments& arguments, const Team& team, const Scene& scene, const EvaluateOptions& options, Activity& activity) {
-  const std::filesystem::path file = partFile(arguments.directory, *options.episodes);
+int playPart(const EvaluateArguments& arguments, const Scene& scene, const EpisodeRange& episodes, int num_processes) {
+  const std::filesystem::path file = partFile(arguments.directory, episodes);
   const std::vector<std::string> names = namesOf(arguments, scene);
-  const bool is_played = isPlayed(file, scene, deviceText(team.device.info()), names);
+  const bool is_played = std::filesystem::exists(file) && isPlayed(file, scene, deviceText(openDevice(arguments).info()), names);
   if (!is_played) {
-    const EvaluationPart part = workers::evaluatePartTogether(team.device, scene, arguments.controllers, options, team.num_processes);
-    activity.end();
-    if (*options.stop) {
+    const EvaluationPart part = playRange(arguments, scene, episodes, num_processes);
+    if (stopOnSignals()) {
       spdlog::warn("stopped: {} of {} controllers were evaluated, nothing is written", part.evaluations.size(), names.size());
       return kExitInterrupted;
     }
     createDirectories(arguments.directory);
     writeEvaluationPart(file, part);
   }
-  activity.end();
   printOut("{}: {} episodes per controller{}; `taxelsim evaluate --merge {}` puts the parts together\n", file.string(),
-           countText(options.episodes->size()), is_played ? " found on disk" : "", arguments.directory);
+           countText(episodes.size()), is_played ? " found on disk" : "", arguments.directory);
   return kExitOk;
 }
 
-int runGrasp(const EvaluateArguments& arguments, const Scene& scene) {
-  const auto refuse = [](bool given, const std::string& what) {
-    if (given) throw Error(ErrorKind::kInput, what + ": a scene of kind grasp is evaluated by one process, and has no controllers; --gain");
-  };
-  refuse(!arguments.controllers.empty(), "--controller");
-  refuse(!arguments.episodes.empty(), "--episode-range");
-  refuse(!arguments.part.empty(), "--part");
-  refuse(arguments.num_workers.value_or(1) > 1, "--workers " + std::to_string(arguments.num_workers.value_or(1)));
-  return evaluateGraspScene(arguments, scene, arguments.gains, arguments.report);
+// By processes. Returns the number of controllers that are complete.
+std::size_t evaluateInProcesses(const EvaluateArguments& arguments, const Scene& scene, const EpisodeRange& episodes, int num_processes) {
+  std::vector<NamedPart> parts(1);
+  parts[0] = {.name = "this evaluation", .part = playRange(arguments, scene, episodes, num_processes)};
+  const std::vector<Evaluation> evaluations = mergeEvaluationParts(scene, parts);
+  if (!evaluations.empty()) reportEvaluations(arguments.report, scene, parts[0].part.device, evaluations);
+  return evaluations.size();
 }
 
-int runEvaluate(const EvaluateArguments& arguments) {
-  if (!arguments.merged.empty()) return mergeParts(arguments);
-  const Scene scene = loadSceneOf(arguments, arguments.role.empty());
-  if (scene.kind == Scene::Kind::kGrasp) return runGrasp(arguments, scene);
-  if (!arguments.gains.empty())
-    throw Error(ErrorKind::kInput, "--gain is for scenes of kind grasp: the controllers of this scene have their gains");
-  EvaluateOptions options;
-  options.episodes = chosenEpisodes(arguments, scene.num_episodes);
-  if (options.episodes && options.episodes->size() == 0) {
-    printOut("{}: part {} of {} episodes is empty\n", arguments.directory, arguments.part, countText(scene.num_episodes));
-    return kExitOk;
-  }
-  options.batch_size = arguments.batch_size;
-  const std::uint64_t num_episodes = options.episodes ? options.episodes->size() : scene.num_episodes;
-  const Team team = openTeam(arguments, arguments, num_episodes, [&](int num_requested) {
-    return static_cast<int>(std::min<std::uint64_t>(static_cast<std::uint64_t>(num_requested), num_episodes));
-  });
-  if (team.number > 1)
-    return workers::evaluateAsWorker(team.device, scene, arguments.controllers, options, team.number, team.num_processes);
-  Activity activity("preparing the simulation");
-  ProgressPrinter printer;
-  options.stop = &stopOnSignals();
-  bool announced = false;
-  options.on_progress = [&](const Progress& progress) {
-    if (!std::exchange(announced, true)) {
-      activity.end();
-      spdlog::info("{}: {} episodes per controller on {} ({})", sceneTitle(scene), countText(num_episodes), team.device.info().name,
-                   team.device.info().driver);
-    }
-    printer.show(progress);
-  };
-  if (options.episodes) return playPart(arguments, team, scene, options, activity);
+// The same in this process. Reports the complete controllers also if the device is lost after them.
+std::size_t evaluateAlone(const EvaluateArguments& arguments, const Scene& scene, const EpisodeRange& episodes) {
+  const Device device = openDevice(arguments);
+  RunDisplay display;
   std::vector<Evaluation> evaluations;
   const std::size_t num_controllers = namesOf(arguments, scene).size();
+  EvaluateOptions options;
+  options.batch_size = arguments.batch_size;
+  options.stop = &stopOnSignals();
+  options.on_progress = announced(scene, episodes, device, [&](const Progress& progress) { display.show(progress); });
   options.on_evaluation = [&](const Evaluation& evaluation) {
     evaluations.push_back(evaluation);
     if (num_controllers > 1) spdlog::info("controller {} evaluated ({} of {})", evaluation.controller, evaluations.size(), num_controllers);
   };
   const auto report = [&] {
-    activity.end();
-    printer.clear();
-    if (!evaluations.empty()) reportEvaluations(arguments.report, scene, deviceText(team.device.info()), evaluations);
+    display.end();
+    if (!evaluations.empty()) reportEvaluations(arguments.report, scene, deviceText(device.info()), evaluations);
   };
   try {
-    evaluateAll(arguments, team, scene, options);
+    evaluate(device, scene, arguments.controllers, options);
   } catch (const Error& error) {
     if (error.kind() == ErrorKind::kDevice) report();  // what was evaluated before the device was lost
     throw;
   }
-  const bool stopped = *options.stop;
   report();
-  if (!stopped) return kExitOk;
-  spdlog::warn("stopped: {} of {} controllers are evaluated", evaluations.size(), num_controllers);
+  return evaluations.size();
+}
+
+int runGrasp(const EvaluateArguments& arguments, const Scene& scene) {
+  const auto refuse = [](bool given, const std::string& what) {
+    if (given) throw Error(ErrorKind::kInput, what + ": a scene of kind grasp is evaluated as a whole, and has no controllers; --gain");
+  };
+  refuse(!arguments.controllers.empty(), "--controller");
+  refuse(!arguments.episodes.empty(), "--episode-range");
+  refuse(!arguments.part.empty(), "--part");
+  return evaluateGraspScene(arguments, scene, arguments.gains, arguments.report, arguments.num_processes);
+}
+
+int runEvaluate(const EvaluateArguments& arguments) {
+  if (!arguments.merged.empty()) return mergeParts(arguments);
+  const Scene scene = loadSceneOf(arguments);
+  if (scene.kind == Scene::Kind::kGrasp) return runGrasp(arguments, scene);
+  if (!arguments.gains.empty())
+    throw Error(ErrorKind::kInput, "--gain is for scenes of kind grasp: the controllers of this scene have their gains");
+  const EpisodeRange all{.first = 0, .end = scene.num_episodes};
+  const EpisodeRange episodes = chosenEpisodes(arguments, scene.num_episodes).value_or(all);
+  if (episodes.size() == 0) {
+    printOut("{}: part {} of {} episodes is empty\n", arguments.directory, arguments.part, countText(scene.num_episodes));
+    return kExitOk;
+  }
+  const int num_processes = usableProcesses(arguments.num_processes, episodes.size());
+  setDriverThreads(num_processes);
+  if (!arguments.directory.empty()) return playPart(arguments, scene, episodes, num_processes);
+  const std::size_t num_evaluated =
+      num_processes > 1 ? evaluateInProcesses(arguments, scene, episodes, num_processes) : evaluateAlone(arguments, scene, episodes);
+  if (!stopOnSignals()) return kExitOk;
+  spdlog::warn("stopped: {} of {} controllers are evaluated", num_evaluated, namesOf(arguments, scene).size());
   return kExitInterrupted;
 }
 
@@ -169,8 +199,8 @@ void addEvaluate(CLI::App& app, Action& action) {
                    "Of a scene of kind grasp, 1/s: gain of the fingers; may be repeated. Default: that of the scene")
       ->type_name("GAIN");
   addPartOptions(*command, *arguments);
-  addWorkerOptions(*command, *arguments);
-  command->get_option("--workers")->excludes("--merge");
+  addProcessesOption(*command, arguments->num_processes);
+  command->get_option("--processes")->excludes("--merge");
   command->add_option("--png", arguments->report.png, "Figure to write (PNG): settling, errors and success by start error")
       ->check(requirePngName)
       ->type_name("FILE");

@@ -6,17 +6,17 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
-#include "cli/activity.h"
 #include "cli/commands.h"
+#include "cli/driver_threads.h"
+#include "cli/generate_processes.h"
 #include "cli/interrupt.h"
 #include "cli/print.h"
-#include "cli/progress.h"
+#include "cli/processes.h"
+#include "cli/run_display.h"
 #include "cli/scene_options.h"
 #include "cli/shard_options.h"
-#include "cli/worker_options.h"
 #include "figures/text.h"
 #include "taxelsim/error.h"
-#include "workers/generate_together.h"
 
 namespace taxelsim::cli {
 
@@ -24,8 +24,9 @@ using namespace figures;
 
 namespace {
 
-struct GenerateArguments : SceneOptions, ShardOptions, WorkerOptions {
+struct GenerateArguments : SceneOptions, ShardOptions {
   std::string directory;
+  int num_processes = 1;
   bool repair = false;
 };
 
@@ -47,17 +48,23 @@ std::string shardsText(const ShardRange& shards, std::uint64_t num_shards) {
                               : fmt::format("shards {} to {} of {}", shards.first, last, countText(num_shards));
 }
 
-// Processes that this scene can use of `num_processes`.
-int usableWorkers(const GenerateArguments& arguments, const Scene& scene, const GenerateOptions& options, int num_processes) {
-  const bool is_grasp = scene.kind == Scene::Kind::kGrasp;
-  if (is_grasp && arguments.num_workers.value_or(1) > 1)
-    throw Error(ErrorKind::kInput, fmt::format("--workers: {} found, one process makes the data set of a scene of kind grasp; 1 allowed",
-                                               *arguments.num_workers));
-  return is_grasp ? 1 : workers::fittingWorkers(scene, options, num_processes);
+// In this process.
+GenerateResult generateAlone(const GenerateArguments& arguments, const Scene& scene, GenerateOptions options) {
+  const Device device = openDevice(arguments);
+  RunDisplay display;
+  logRun(scene, device.info());
+  options.stop = &stopOnSignals();
+  options.on_verify = [&](std::uint64_t num_verified, std::uint64_t num_found) {
+    if (num_verified == num_found) return display.activity().next("preparing the simulation");
+    if (num_verified == 0) display.activity().next("verifying");
+    display.activity().rename(fmt::format("verifying: {} of {} shards", countText(num_verified), countText(num_found)));
+  };
+  options.on_progress = [&](const Progress& progress) { display.show(progress); };
+  return generate(device, scene, arguments.directory, options);
 }
 
 int runGenerate(const GenerateArguments& arguments) {
-  const Scene scene = loadSceneOf(arguments, arguments.role.empty());
+  const Scene scene = loadSceneOf(arguments);
   const std::uint64_t num_shards = (scene.num_episodes + scene.episodes_per_shard - 1) / scene.episodes_per_shard;
   const std::optional<ShardRange> shards = chosenShards(arguments, num_shards);
   if (shards && shards->first == shards->end) {
@@ -68,34 +75,10 @@ int runGenerate(const GenerateArguments& arguments) {
   options.batch_size = arguments.batch_size;
   options.repair = arguments.repair;
   options.shards = shards;
-  const std::uint64_t num_episodes = shards ? (shards->end - shards->first) * scene.episodes_per_shard : scene.num_episodes;
-  const auto [device, num_processes, number] = openTeam(
-      arguments, arguments, num_episodes, [&](int num_requested) { return usableWorkers(arguments, scene, options, num_requested); });
-  if (number > 1) return workers::generateAsWorker(device, scene, arguments.directory, options, num_processes);
-  Activity activity("preparing the simulation");
-  spdlog::info("{}: {} episodes on {} ({})", sceneTitle(scene), countText(scene.num_episodes), device.info().name, device.info().driver);
-
-  ProgressPrinter printer;
-  bool announced = false;
-  options.stop = &stopOnSignals();
-  options.on_verify = [&](std::uint64_t num_verified, std::uint64_t num_found) {
-    if (num_verified == num_found) return activity.next("preparing the simulation");
-    if (num_verified == 0) activity.next("verifying");
-    activity.rename(fmt::format("verifying: {} of {} shards", countText(num_verified), countText(num_found)));
-  };
-  options.on_progress = [&](const Progress& progress) {
-    activity.end();
-    if (!announced && progress.episodes_resumed > 0) {
-      printer.clear();
-      spdlog::info("{} episodes found on disk", countText(progress.episodes_resumed));
-    }
-    announced = true;
-    printer.show(progress);
-  };
-  const GenerateResult result = num_processes > 1 ? workers::generateTogether(device, scene, arguments.directory, options, num_processes)
-                                                  : generate(device, scene, arguments.directory, options);
-  activity.end();
-  printer.clear();
+  const int num_processes = usableProcesses(arguments.num_processes, shards ? shards->end - shards->first : num_shards);
+  setDriverThreads(num_processes);
+  const GenerateResult result = num_processes > 1 ? generateInProcesses(arguments, scene, arguments.directory, options, num_processes)
+                                                  : generateAlone(arguments, scene, options);
   warnOfLoads(scene, result);
 
   const Progress& progress = result.progress;
@@ -126,6 +109,8 @@ void addGenerate(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("generate", "Simulate a scene and write a data set; run the same command again to resume");
   command->footer(
       "Example:\n  taxelsim generate scenes/edge_servo.yaml -o out/ --episodes 100000\n"
+      "On a machine with many cores and no GPU:\n"
+      "  taxelsim generate scenes/edge_servo.yaml -o out/ --episodes 100000 --processes 16\n"
       "On several machines of one kind, which share out/, K = 1 to 16:\n"
       "  taxelsim generate scenes/edge_servo.yaml -o out/ --episodes 100000 --part K/16\n"
       "  taxelsim finish out/\n"
@@ -134,7 +119,7 @@ void addGenerate(CLI::App& app, Action& action) {
   addSceneOptions(*command, *arguments, GenerateOptions{}.batch_size);
   command->add_option("-o,--output", arguments->directory, "Directory of the data set; created if missing")->required()->type_name("DIR");
   addShardOptions(*command, *arguments);
-  addWorkerOptions(*command, *arguments);
+  addProcessesOption(*command, arguments->num_processes);
   command->add_flag("--repair", arguments->repair, "Make damaged and foreign shards again; without it they are an error");
   command->callback([=, &action] { action = [=] { return runGenerate(*arguments); }; });
 }

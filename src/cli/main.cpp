@@ -81,6 +81,24 @@ int run(int argc, char** argv) {
 }
 
 }  // namespace
+
+Failure currentFailure() {
+  try {
+    throw;
+  } catch (const Error& error) {
+    return {error.kind() == ErrorKind::kInput ? kExitInput : kExitDevice, error.what()};
+  } catch (const std::bad_alloc&) {
+    return {kExitDevice, "out of memory"};
+  } catch (const std::length_error&) {  // a size that no memory has
+    return {kExitDevice, "out of memory"};
+  } catch (const std::system_error& error) {
+    const bool no_thread = error.code() == std::errc::resource_unavailable_try_again;
+    return {kExitDevice, no_thread ? "cannot start a thread: out of memory, or too many processes" : error.what()};
+  } catch (const std::exception& error) {
+    return {kExitDevice, error.what()};
+  }
+}
+
 }  // namespace taxelsim::cli
 
 int main(int argc, char** argv) {
@@ -92,16 +110,8 @@ int main(int argc, char** argv) {
     const int status = run(argc, argv);
     if (std::fflush(stdout) != 0) fail(kExitDevice, "cannot write to standard output");
     return status;
-  } catch (const Error& error) {
-    fail(error.kind() == ErrorKind::kInput ? kExitInput : kExitDevice, error.what());
-  } catch (const std::bad_alloc&) {
-    fail(kExitDevice, "out of memory");
-  } catch (const std::length_error&) {  // a size that no memory has
-    fail(kExitDevice, "out of memory");
-  } catch (const std::system_error& error) {
-    const bool no_thread = error.code() == std::errc::resource_unavailable_try_again;
-    fail(kExitDevice, no_thread ? "cannot start a thread: out of memory, or too many processes" : error.what());
-  } catch (const std::exception& error) {
-    fail(kExitDevice, error.what());
+  } catch (const std::exception&) {
+    const Failure failure = currentFailure();
+    fail(failure.status, failure.message);
   }
 }

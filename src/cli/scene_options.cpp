@@ -1,7 +1,5 @@
 #include "cli/scene_options.h"
 
-#include <spdlog/spdlog.h>
-
 #include <CLI/CLI.hpp>
 
 #include "cli/activity.h"
@@ -43,13 +41,13 @@ void addDeviceOptions(CLI::App& command, std::string& device, bool& validation) 
   command.add_flag("--validation", validation, "Enable the Vulkan validation layers; slow");
 }
 
-Scene loadSceneOf(const SceneOptions& options, bool is_shown) {
-  std::optional<Activity> activity;
-  if (is_shown)
-    activity.emplace("loading " + options.scene);
-  else
-    spdlog::set_level(spdlog::level::err);  // the process that started this worker logs the same warnings
+Scene loadSceneOf(const SceneOptions& options) {
+  const Activity activity("loading " + options.scene);
   return loadScene(options.scene, options.overrides);
+}
+
+Device openDevice(const SceneOptions& options) {
+  return Device::open({.device = options.device, .validation = options.validation});
 }
 
 std::string sceneTitle(const Scene& scene) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "taxelsim/device.h"
 #include "taxelsim/scene.h"
 
 namespace taxelsim::cli {
@@ -26,8 +27,10 @@ CLI::Option* addConditionOption(CLI::App& command, SceneOverrides& overrides);
 // Adds --device and --validation; the references must outlive the parsing.
 void addDeviceOptions(CLI::App& command, std::string& device, bool& validation);
 
-// Loads the scene. `is_shown`: shows the time that it takes if that is long.
-Scene loadSceneOf(const SceneOptions& options, bool is_shown);
+// Loads the scene. Shows the time that it takes if that is long.
+Scene loadSceneOf(const SceneOptions& options);
+
+Device openDevice(const SceneOptions& options);
 
 // Name of the scene, with its condition in brackets if it is not nominal.
 std::string sceneTitle(const Scene& scene);

@@ -31,7 +31,6 @@ void StatusLine::draw(const std::string& text) {
   if (!visible_) return;
   std::fprintf(stderr, "\r%s\033[K", oneLine(text).substr(0, static_cast<std::size_t>(width() - 1)).c_str());
   std::fflush(stderr);
-  drawn_ = true;
 }
 
 void StatusLine::clear() {
@@ -40,8 +39,7 @@ void StatusLine::clear() {
 }
 
 void StatusLine::clearLocked() {
-  if (drawn_) std::fputs("\r\033[K", stderr);
-  drawn_ = false;
+  if (visible_) std::fputs("\r\033[K", stderr);  // what another process has drawn, too
 }
 
 int StatusLine::width() {

@@ -31,7 +31,6 @@ class StatusLine {
 
   std::mutex mutex_;
   bool visible_;
-  bool drawn_ = false;
 };
 
 // Log messages on stderr, in colour, above the status line.

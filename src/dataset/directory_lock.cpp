@@ -25,7 +25,7 @@ DirectoryLock::DirectoryLock(const std::filesystem::path& directory, LockMode mo
     descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
     if (descriptor_ < 0) throwIo("create", file_, errno);
     try {
-      lock(mode);
+      lock();
     } catch (...) {
       ::close(descriptor_);
       throw;
@@ -40,19 +40,8 @@ DirectoryLock::DirectoryLock(const std::filesystem::path& directory, LockMode mo
   }
 }
 
-void DirectoryLock::change(LockMode mode) {
-  mode_ = LockMode::kShared;  // the destructor must not remove the file without an exclusive lock
-  try {
-    lock(mode);
-  } catch (const Error&) {
-    ::flock(descriptor_, LOCK_SH | LOCK_NB);  // Linux has released the old lock
-    throw;
-  }
-  mode_ = mode;
-}
-
-void DirectoryLock::lock(LockMode mode) {
-  if (::flock(descriptor_, (mode == LockMode::kShared ? LOCK_SH : LOCK_EX) | LOCK_NB) == 0) return;
+void DirectoryLock::lock() {
+  if (::flock(descriptor_, (mode_ == LockMode::kShared ? LOCK_SH : LOCK_EX) | LOCK_NB) == 0) return;
   if (errno == EWOULDBLOCK) throw Error(ErrorKind::kIo, file_.parent_path().string() + ": another process is writing this data set");
   throwIo("lock", file_, errno);
 }

@@ -23,11 +23,8 @@ class DirectoryLock {
   DirectoryLock(const DirectoryLock&) = delete;
   DirectoryLock& operator=(const DirectoryLock&) = delete;
 
-  // Does not wait. Throws Error(kIo) if another process or object holds a lock that excludes the new mode; a shared one stays then.
-  void change(LockMode mode);
-
  private:
-  void lock(LockMode mode);
+  void lock();
 
   std::filesystem::path file_;
   LockMode mode_;

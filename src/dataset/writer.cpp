@@ -154,18 +154,6 @@ struct DatasetWriter::Impl {
     if (is_verified) writeList();
   }
 
-  bool takeBack(const std::atomic<bool>* stop) {
-    lock->change(LockMode::kExclusive);
-    claims.reset();
-    removeTemporaryFiles(directory);
-    const std::vector<bool> on_disk = shardsOnDisk(directory, manifest);
-    std::vector<std::uint64_t> others;
-    for (std::uint64_t shard = range.first; shard < range.end; ++shard)
-      if (on_disk[shard] && shard_ends[shard].empty()) others.push_back(shard);
-    const ChecksumList list(directory, manifest.numShards());
-    return verifyShards(directory, list, others, {.stop = stop}, [&](const VerifiedShard& result) { use(result, /*repair=*/false); });
-  }
-
   void use(const VerifiedShard& result, bool repair) {
     const fs::path file = shardFile(result.shard);
     try {
@@ -239,18 +227,6 @@ bool DatasetWriter::claim(std::uint64_t shard) {
   if (!isOnDisk(shard)) return true;
   impl_->claims->release(shard);
   return false;
-}
-
-void DatasetWriter::share() {
-  assert(isVerified());
-  if (impl_->claims) return;
-  impl_->claims.emplace(impl_->directory);
-  impl_->lock->change(LockMode::kShared);
-}
-
-bool DatasetWriter::takeBack(const std::atomic<bool>* stop) {
-  assert(isVerified() && impl_->claims);
-  return impl_->takeBack(stop);
 }
 
 void DatasetWriter::writeShard(std::uint64_t shard, const ShardData& data) {

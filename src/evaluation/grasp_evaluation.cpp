@@ -110,20 +110,6 @@ FingerScore scoreOf(const std::string& name, const std::vector<FingerVerdict>& v
   return score;
 }
 
-GraspEvaluation evaluationOf(const Scene& scene, std::vector<GraspVerdict> verdicts) {
-  const Grasp& grasp = *scene.grasp;
-  GraspEvaluation evaluation{.gain = grasp.gain, .verdicts = std::move(verdicts), .total = {}, .fingers = {}};
-  std::vector<FingerVerdict> worst;
-  for (const GraspVerdict& verdict : evaluation.verdicts) worst.push_back(worstOf(verdict));
-  evaluation.total = scoreOf("all fingers", worst);
-  for (std::size_t f = 0; f < grasp.fingers.size(); ++f) {
-    std::vector<FingerVerdict> of_finger;
-    for (const GraspVerdict& verdict : evaluation.verdicts) of_finger.push_back(verdict.fingers[f]);
-    evaluation.fingers.push_back(scoreOf(grasp.sensors[static_cast<std::size_t>(grasp.fingers[f].sensor)].name, of_finger));
-  }
-  return evaluation;
-}
-
 void checkGrasp(const Scene& scene, const std::vector<double>& gains, const GraspEvaluateOptions& options) {
   checkCount("batch size", options.batch_size);
   checkScene(scene);
@@ -135,33 +121,50 @@ void checkGrasp(const Scene& scene, const std::vector<double>& gains, const Gras
 
 }  // namespace
 
+GraspEvaluation graspEvaluationOf(const Scene& scene, double gain, std::vector<GraspVerdict> verdicts, std::vector<ContactMisses> misses) {
+  const Grasp& grasp = *scene.grasp;
+  GraspEvaluation evaluation{.gain = gain, .verdicts = std::move(verdicts), .total = {}, .fingers = {}, .misses = std::move(misses)};
+  std::vector<FingerVerdict> worst;
+  for (const GraspVerdict& verdict : evaluation.verdicts) worst.push_back(worstOf(verdict));
+  evaluation.total = scoreOf("all fingers", worst);
+  for (std::size_t f = 0; f < grasp.fingers.size(); ++f) {
+    std::vector<FingerVerdict> of_finger;
+    for (const GraspVerdict& verdict : evaluation.verdicts) of_finger.push_back(verdict.fingers[f]);
+    evaluation.fingers.push_back(scoreOf(grasp.sensors[static_cast<std::size_t>(grasp.fingers[f].sensor)].name, of_finger));
+  }
+  return evaluation;
+}
+
 std::vector<GraspEvaluation> evaluateGrasp(const Device& device, const Scene& scene, const std::vector<double>& gains,
                                            const GraspEvaluateOptions& options) {
   checkGrasp(scene, gains, options);
   const std::vector<double> all = gains.empty() ? std::vector<double>{scene.grasp->gain} : gains;
+  const EpisodeRange episodes = chosenEpisodes(scene, options.episodes);
   Count tally{.options = options};
-  tally.progress.num_episodes = scene.num_episodes * all.size();
+  tally.progress.num_episodes = episodes.size() * all.size();
   tally.progress.num_frames = tally.progress.num_episodes * static_cast<std::uint64_t>(scene.num_steps);
   std::vector<GraspEvaluation> evaluations;
-  std::vector<ContactMisses> misses(scene.grasp->fingers.size());  // over all gains
+  std::vector<ContactMisses> all_misses(scene.grasp->fingers.size());  // over all gains
   for (const double gain : all) {
     Scene played = scene;
     played.grasp->gain = gain;
-    const int size = static_cast<int>(std::min<std::uint64_t>(static_cast<std::uint64_t>(options.batch_size), scene.num_episodes));
+    const int size = static_cast<int>(std::min<std::uint64_t>(static_cast<std::uint64_t>(options.batch_size), episodes.size()));
     GraspBatch batch(device, played, kNoOutputs, size);
     std::vector<GraspVerdict> verdicts;
-    while (verdicts.size() < scene.num_episodes) {
-      const std::uint64_t left = scene.num_episodes - verdicts.size();
+    std::vector<ContactMisses> misses(all_misses.size());
+    while (verdicts.size() < episodes.size()) {
+      const std::uint64_t left = episodes.size() - verdicts.size();
       const int count = static_cast<int>(std::min<std::uint64_t>(static_cast<std::uint64_t>(size), left));
-      std::vector<GraspVerdict> more = playBatch(batch, played, verdicts.size(), count, tally);
+      std::vector<GraspVerdict> more = playBatch(batch, played, episodes.first + verdicts.size(), count, tally);
       if (more.empty()) return evaluations;
       batch.addMisses(count, misses);
       std::move(more.begin(), more.end(), std::back_inserter(verdicts));
     }
-    evaluations.push_back(evaluationOf(played, std::move(verdicts)));
+    for (std::size_t f = 0; f < misses.size(); ++f) add(all_misses[f], misses[f]);
+    evaluations.push_back(graspEvaluationOf(scene, gain, std::move(verdicts), std::move(misses)));
     if (options.on_evaluation) options.on_evaluation(evaluations.back());
   }
-  warnOfContactMisses(scene, misses);
+  if (!options.episodes) warnOfContactMisses(scene, all_misses);
   return evaluations;
 }
 

@@ -50,25 +50,20 @@ EpisodeRange partOfEpisodes(std::uint64_t num_episodes, std::uint64_t part, std:
   return {range.first, range.end};
 }
 
-EvaluationPart partWithoutVerdicts(const Device& device, const Model& model, const Scene& scene, const Players& players,
-                                   const EvaluateOptions& options) {
-  return {.program_version = kVersion,
-          .device = deviceText(device.info()),
-          .probe_sha256 = featureProbe(model, scene),
-          .scene = scene.resolved,
-          .condition = scene.condition,
-          .seed = scene.seed,
-          .num_episodes = scene.num_episodes,
-          .policy = options.policy ? options.policy->id : "",
-          .episodes = players.episodes,
-          .evaluations = {}};
-}
-
 EvaluationPart evaluatePart(const Device& device, const Scene& scene, const std::vector<std::string>& controllers,
                             const EvaluateOptions& options) {
   const Players players(scene, controllers, options);
   const Model model(device, modelOptionsOf(scene));
-  EvaluationPart part = partWithoutVerdicts(device, model, scene, players, options);
+  EvaluationPart part{.program_version = kVersion,
+                      .device = deviceText(device.info()),
+                      .probe_sha256 = featureProbe(model, scene),
+                      .scene = scene.resolved,
+                      .condition = scene.condition,
+                      .seed = scene.seed,
+                      .num_episodes = scene.num_episodes,
+                      .policy = options.policy ? options.policy->id : "",
+                      .episodes = players.episodes,
+                      .evaluations = {}};
   play(model, scene, players, options, [&](EvaluationPart::Verdicts played) { part.evaluations.push_back(std::move(played)); });
   return part;
 }

@@ -31,21 +31,20 @@ std::vector<int> numbersOf(const Scene& scene, const std::vector<std::string>& n
   return numbers;
 }
 
-// The chosen episodes of the scene; all by default.
-EpisodeRange rangeOf(const Scene& scene, const EvaluateOptions& options) {
-  const EpisodeRange range = options.episodes.value_or(EpisodeRange{.first = 0, .end = scene.num_episodes});
-  if (range.first < range.end && range.end <= scene.num_episodes) return range;
-  throw Error(ErrorKind::kInput, "episodes: " + std::to_string(range.first) + ".." +
-                                     std::to_string(static_cast<std::int64_t>(range.end) - 1) + " found, the scene has episodes 0.." +
-                                     std::to_string(scene.num_episodes - 1));
-}
-
 }  // namespace
 
 void checkEpisodesOfEvaluation(std::uint64_t num_episodes) {
   if (num_episodes <= kMaxEpisodes) return;
   throw Error(ErrorKind::kInput, "episodes: " + std::to_string(num_episodes) + " found, at most " + std::to_string(kMaxEpisodes) +
                                      " allowed in one evaluation");
+}
+
+EpisodeRange chosenEpisodes(const Scene& scene, const std::optional<EpisodeRange>& episodes) {
+  const EpisodeRange range = episodes.value_or(EpisodeRange{.first = 0, .end = scene.num_episodes});
+  if (range.first < range.end && range.end <= scene.num_episodes) return range;
+  throw Error(ErrorKind::kInput, "episodes: " + std::to_string(range.first) + ".." +
+                                     std::to_string(static_cast<std::int64_t>(range.end) - 1) + " found, the scene has episodes 0.." +
+                                     std::to_string(scene.num_episodes - 1));
 }
 
 Players::Players(const Scene& scene, const std::vector<std::string>& names, const EvaluateOptions& options) {
@@ -56,7 +55,7 @@ Players::Players(const Scene& scene, const std::vector<std::string>& names, cons
   if (!scene.task) throw Error(ErrorKind::kInput, scene.file.generic_string() + ": this scene has no `task`, which `evaluate` needs");
   checkEpisodesOfEvaluation(scene.num_episodes);
   controllers = numbersOf(scene, names, names.empty() && !options.policy);
-  episodes = rangeOf(scene, options);
+  episodes = chosenEpisodes(scene, options.episodes);
 }
 
 void play(const Model& model, const Scene& scene, const Players& players, const EvaluateOptions& options,

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,9 @@ namespace taxelsim {
 // Throws Error(kInput) for more episodes than one evaluation keeps.
 void checkEpisodesOfEvaluation(std::uint64_t num_episodes);
 
+// The chosen episodes of the scene; all by default. Throws Error(kInput) unless the scene has them.
+EpisodeRange chosenEpisodes(const Scene& scene, const std::optional<EpisodeRange>& episodes);
+
 // Names and numbers of the controllers, checked against the scene. Throws what evaluate() throws for them, the scene and the options.
 struct Players {
   Players(const Scene& scene, const std::vector<std::string>& controllers, const EvaluateOptions& options);
@@ -28,9 +32,5 @@ struct Players {
 // after a stop. `model`: of the scene.
 void play(const Model& model, const Scene& scene, const Players& players, const EvaluateOptions& options,
           const std::function<void(EvaluationPart::Verdicts)>& on_complete);
-
-// The part that these players give, still without verdicts. Computes its probe, and compiles most kernels with it.
-EvaluationPart partWithoutVerdicts(const Device& device, const Model& model, const Scene& scene, const Players& players,
-                                   const EvaluateOptions& options);
 
 }  // namespace taxelsim

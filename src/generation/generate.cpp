@@ -14,7 +14,6 @@
 #include "generation/generate_grasp.h"
 #include "generation/generate_loops.h"
 #include "generation/loop_outputs.h"
-#include "generation/open_shards.h"
 #include "generation/probe.h"
 #include "generation/shard_run.h"
 #include "generation/shard_sink.h"
@@ -35,7 +34,7 @@ std::uint64_t numEpisodes(const Scene& scene, const GenerateOptions& options) {
 void checkRun(const Scene& scene, const GenerateOptions& options) {
   checkCount("batch size", options.batch_size);
   checkCount("slices", options.num_slices);
-  checkCount("processes", options.workers.num_processes);
+  checkCount("processes", options.num_processes);
   checkScene(scene);
   if (options.policy && options.policy->id.empty()) {
     throw Error(ErrorKind::kInput, "policy " + options.policy->name + ": the id is empty, which a data set needs");
@@ -60,18 +59,29 @@ std::uint64_t maxOpenShards(const Scene& scene, const GenerateOptions& options) 
 // Threads that write shards. Hashing a shard takes longer than its way to the disk.
 int writerThreads(const GenerateOptions& options) {
   constexpr int kMost = 8;
-  return std::clamp(usableProcessors() / options.workers.num_processes, 1, kMost);
+  return std::clamp(usableProcessors() / options.num_processes, 1, kMost);
+}
+
+// Bytes of the unfinished shards. In double: the product may exceed 2^64.
+double openShardBytes(const Scene& scene, const GenerateOptions& options) {
+  double episode_bytes = 0;
+  for (const Column& column : columnsOf(scene)) {
+    episode_bytes += static_cast<double>(rowBytes(column)) * (column.per_episode ? 1 : numFrames(scene));
+  }
+  const double episodes = static_cast<double>(std::min(scene.episodes_per_shard, numEpisodes(scene, options)));
+  return static_cast<double>(maxOpenShards(scene, options)) * episodes * episode_bytes;
 }
 
 // Checked in advance, because Linux overcommits memory and kills the process later, as it does with a control group beyond its limit.
 void checkHostMemory(const Scene& scene, const GenerateOptions& options) {
   const double needed = openShardBytes(scene, options);
-  const double available = static_cast<double>(usableMemory()) / options.workers.num_processes;
+  const double available = static_cast<double>(usableMemory()) / options.num_processes;
   if (needed <= available) return;
   const auto mebibytes = [](double bytes) { return std::to_string(static_cast<long long>(std::min(bytes / 0x1p20, 9e18))) + " MiB"; };
   throw Error(ErrorKind::kInput, "open shards of " + std::to_string(scene.episodes_per_shard) + " episodes with " +
                                      std::to_string(numFrames(scene)) + " frames need " + mebibytes(needed) + " of memory, " +
-                                     mebibytes(available) + " are available; reduce episodes_per_shard, num_steps or the batch size");
+                                     mebibytes(available) + " are available; reduce episodes_per_shard, num_steps" +
+                                     (options.num_processes > 1 ? ", the batch size or the number of processes" : " or the batch size"));
 }
 
 // Names of the sensors of a robot: "palm, thumb".
@@ -140,15 +150,6 @@ void simulate(ShardRun& run, DatasetWriter& writer, const Manifest& manifest, co
 
 }  // namespace
 
-double openShardBytes(const Scene& scene, const GenerateOptions& options) {
-  double episode_bytes = 0;
-  for (const Column& column : columnsOf(scene)) {
-    episode_bytes += static_cast<double>(rowBytes(column)) * (column.per_episode ? 1 : numFrames(scene));
-  }
-  const double episodes = static_cast<double>(std::min(scene.episodes_per_shard, numEpisodes(scene, options)));
-  return static_cast<double>(maxOpenShards(scene, options)) * episodes * episode_bytes;
-}
-
 GenerateResult generate(const Device& device, const Scene& scene, const std::filesystem::path& directory, const GenerateOptions& options) {
   return generate(device, scene, directory, options, SlicePlan::Loops::kFaster);
 }
@@ -165,18 +166,15 @@ GenerateResult generate(const Device& device, const Scene& scene, const std::fil
   Manifest manifest = manifestOf(scene, device, options);
   // Model and batch are checked before the directory is created.
   const Model model(device, modelOptionsOf(scene));
-  const std::uint64_t team_size =
-      static_cast<std::uint64_t>(options.batch_size) * static_cast<std::uint64_t>(options.workers.num_processes);
+  const std::uint64_t team_size = static_cast<std::uint64_t>(options.batch_size) * static_cast<std::uint64_t>(options.num_processes);
   splitBatch(model, plan, static_cast<int>(std::min<std::uint64_t>({team_size, manifest.num_episodes, INT_MAX})), options.num_slices);
   manifest.probe_sha256 = probeHash(model, scene);
   DatasetWriter writer(directory, manifest, writerOptions(options));
   if (!writer.isVerified()) return unverifiedResult(manifest);
   ShardRun run(options, writer, manifest, plan.num_frames);
-  run.startWorkers();
   run.simulateAll([&] { simulate(run, writer, manifest, model, plan, options); });
   GenerateResult result = run.end();
-  // Of several processes, the one that started them knows the misses of all.
-  if (options.workers.num_processes == 1) warnOfContactMisses(scene, result.contact_misses);
+  if (options.num_processes == 1) warnOfContactMisses(scene, result.contact_misses);
   return result;
 }
 

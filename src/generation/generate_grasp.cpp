@@ -19,7 +19,6 @@ void refuseOptions(const Scene& scene, const GenerateOptions& options) {
     if (given) throw Error(ErrorKind::kInput, scene.file.generic_string() + ": a scene of kind grasp takes no " + what);
   };
   refuse(options.policy.has_value(), "policy");
-  refuse(static_cast<bool>(options.workers.start), "workers");
   refuse(!options.episodes.empty(), "list of episodes");
 }
 
@@ -110,7 +109,7 @@ GenerateResult generateGrasp(const Device& device, const Scene& scene, const std
     }
   });
   GenerateResult result = run.end();
-  warnOfContactMisses(scene, result.contact_misses);
+  if (options.num_processes == 1) warnOfContactMisses(scene, result.contact_misses);
   return result;
 }
 

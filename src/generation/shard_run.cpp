@@ -7,7 +7,6 @@ namespace taxelsim {
 namespace {
 
 constexpr auto kProgressPeriod = std::chrono::milliseconds(250);
-constexpr auto kWorkersPeriod = std::chrono::milliseconds(20);  // between looks for shards that processes of this machine finish
 
 }  // namespace
 
@@ -90,20 +89,12 @@ void ShardRun::addWritten(std::uint64_t num_episodes) {
   progress.seconds = std::chrono::duration<double>(SteadyClock::now() - start_).count();
 }
 
-void ShardRun::startWorkers() {
-  const std::uint64_t num_episodes = result_.progress.num_episodes - result_.progress.episodes_resumed;
-  has_workers_ = options_.workers.start && num_episodes > 0;
-  if (!has_workers_) return;
-  if (!options_.shards) writer_.share();
-  options_.workers.start(num_episodes);
-}
-
 void ShardRun::simulateAll(const std::function<void()>& simulate) {
   while (!isComplete() && !isStopped()) {
     if (claimsAny()) {
       simulate();
     } else {
-      std::this_thread::sleep_for(options_.workers.num_processes > 1 ? kWorkersPeriod : kProgressPeriod);
+      std::this_thread::sleep_for(kProgressPeriod);
       report();
     }
     findShards();
@@ -111,11 +102,6 @@ void ShardRun::simulateAll(const std::function<void()>& simulate) {
 }
 
 GenerateResult ShardRun::end() {
-  if (has_workers_) {
-    options_.workers.join();
-    findShards();
-    if (!options_.shards && !writer_.takeBack(options_.stop) && isComplete()) return result_;
-  }
   result_.complete = isComplete();
   if (result_.complete && !options_.shards) writer_.finish();
   if (options_.on_progress) options_.on_progress(result_.progress);

@@ -19,8 +19,6 @@ class ShardRun {
   // num_frames: per episode. All references must outlive this.
   ShardRun(const GenerateOptions& options, DatasetWriter& writer, const Manifest& manifest, int num_frames);
 
-  // Starts the processes of GenerateOptions::workers, if shards are missing.
-  void startWorkers();
   // Calls `simulate`, which claims and writes shards, until all requested ones are on disk or the run is stopped. Other processes hold the
   // claims of the shards that are left after a call. Those of a lost process are free in a later one.
   void simulateAll(const std::function<void()>& simulate);
@@ -36,7 +34,7 @@ class ShardRun {
   void report();
   // Counts episodes that are on disk, after a call of `simulate`.
   void addWritten(std::uint64_t num_episodes);
-  // Waits for the workers. Completes the data set if all shards are on disk and this process has the directory to itself.
+  // Completes the data set if all shards are on disk and this process has the directory to itself.
   GenerateResult end();
 
  private:
@@ -53,7 +51,6 @@ class ShardRun {
   std::uint64_t num_frames_;
   std::vector<bool> complete_;
   std::uint64_t episodes_written_ = 0;
-  bool has_workers_ = false;
   GenerateResult result_;
   SteadyClock::time_point start_ = SteadyClock::now(), last_report_ = start_;
 };

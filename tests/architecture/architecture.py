@@ -11,7 +11,7 @@ from pathlib import Path
 # Top to bottom. Rooms on one floor must not include each other, except for NEIGHBOURS.
 FLOORS = [
     ["cli"],
-    ["figures", "workers"],
+    ["figures"],
     ["generation", "evaluation", "experiments", "characterize"],
     ["episodes"],
     ["simulation", "reference", "scene"],

@@ -50,9 +50,11 @@ TEST(EvaluateGraspScene, DoesNotDependOnTheBatchSize) {
 
 TEST(EvaluateGraspScene, RefusesOptionsOfOtherScenes) {
   const TemporaryDirectory root;
-  const std::vector<std::vector<std::string>> all{{"--controller", "a"},     {"--part", "1/2", "-o", root / "out"},
-                                                  {"--merge", root / "out"}, {"--episode-range", "0..1", "-o", root / "out"},
-                                                  {"--workers", "2"},        {"--gain", "0"}};
+  const std::vector<std::vector<std::string>> all{{"--controller", "a"},
+                                                  {"--part", "1/2", "-o", root / "out"},
+                                                  {"--merge", root / "out"},
+                                                  {"--episode-range", "0..1", "-o", root / "out"},
+                                                  {"--gain", "0"}};
   for (const std::vector<std::string>& options : all) {
     std::vector<std::string> words{"evaluate", kScene};
     words.insert(words.end(), options.begin(), options.end());

@@ -36,15 +36,15 @@ TEST(Shards, ProcessesTogetherGiveTheBytesOfOneAlsoAfterAKill) {
   const std::string scene = writeScene(root / "scene.yaml"), many = root / "many";
   ASSERT_EQ(runTaxelsim({"generate", scene, "-o", root / "one"}).status, 0);
 
-  // Killed at any time, the worker leaves complete shards, or none, and claims that have ended.
+  // Killed at any time, a process leaves complete shards, or none, and claims that have ended.
   runTaxelsim({"generate", scene, "-o", many, "--part", "1/2", "--batch-size", "1"}, {.signal = SIGKILL, .signal_after = 0.5});
-  std::vector<std::future<Outcome>> workers;
+  std::vector<std::future<Outcome>> processes;
   for (const auto& choice : {std::pair{"--part", "1/2"}, std::pair{"--shards", "2..5"}, std::pair{"--shards", "1..3"}})
-    workers.push_back(std::async(std::launch::async, [&, choice] {
+    processes.push_back(std::async(std::launch::async, [&, choice] {
       return runTaxelsim({"generate", scene, "-o", many, choice.first, choice.second, "--batch-size", "4"});
     }));
-  for (std::future<Outcome>& worker : workers) {
-    const Outcome outcome = worker.get();
+  for (std::future<Outcome>& process : processes) {
+    const Outcome outcome = process.get();
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_NE(outcome.out.find("of 6 complete"), std::string::npos) << outcome.out;
   }

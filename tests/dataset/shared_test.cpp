@@ -141,42 +141,6 @@ TEST(SharedDirectory, IsEitherSharedOrNot) {
   expectError(ErrorKind::kIo, "another process is writing", [&] { DatasetWriter(directory / "d", sharedManifest(), all()); });
 }
 
-TEST(SharedDirectory, IsSharedForAWhile) {
-  const TemporaryDirectory directory;
-  writeExample(directory / "one", sharedManifest());
-  const Manifest manifest = sharedManifest();
-  DatasetWriter writer(directory / "d", manifest);
-  writer.writeShard(0, exampleShard(manifest, 0));
-  writer.share();
-  ASSERT_TRUE(writer.claim(1));
-  {
-    DatasetWriter other(directory / "d", manifest, all());
-    EXPECT_TRUE(other.isComplete(0));
-    EXPECT_FALSE(other.claim(1));
-    expectError(ErrorKind::kIo, "another process is writing", [&] { writer.takeBack(); });
-  }
-  writer.writeShard(1, exampleShard(manifest, 1));
-  work(directory / "d", all());
-  std::ofstream(directory / "d/.shard-000003.h5.tmp-7") << "half, of a lost process";
-  ASSERT_TRUE(writer.takeBack());
-  expectError(ErrorKind::kIo, "another process is writing", [&] { DatasetWriter(directory / "d", manifest, all()); });
-  EXPECT_TRUE(writer.isComplete(kNumShards - 1));
-  writer.finish();
-  EXPECT_EQ(filesIn(directory / "d")["dataset.h5"], filesIn(directory / "one")["dataset.h5"]);
-  EXPECT_EQ(filesIn(directory / "d")["dataset.checksums"], filesIn(directory / "one")["dataset.checksums"]);
-  EXPECT_FALSE(filesIn(directory / "d").contains(".claims"));
-}
-
-TEST(SharedDirectory, ShardsOfOthersAreVerifiedWhenItIsTakenBack) {
-  const TemporaryDirectory directory;
-  DatasetWriter writer(directory / "d", sharedManifest());
-  writer.share();
-  work(directory / "d", all());
-  const std::string whole = filesIn(directory / "d")["shard-000007.h5"];
-  overwrite(directory / "d/shard-000007.h5", whole.substr(0, whole.size() - 1));
-  expectError(ErrorKind::kInput, "shard-000007.h5: its SHA-256 is", [&] { writer.takeBack(); });
-}
-
 TEST(SharedDirectory, ADataSetWithoutProbeIsAccepted) {
   const TemporaryDirectory directory;
   Manifest old = sharedManifest();

@@ -3,10 +3,10 @@
 
     kill_commands.py TAXELSIM [--kills N] [--seed S] [--export-python PYTHON] [--only KIND ...]
 
-Kinds in turn: `generate` by one process, a part of `evaluate`, `characterize` with a report, `experiment` with figures, and with
---export-python each format of `export` (a Python with the package taxelsim and what the formats need). SIGKILL, SIGTERM or SIGINT end the
-command at a random time. After each signal a file with its final name has the bytes of the undisturbed run or is missing; then the command
-runs again, until it survives, and all files must be equal. Neither the times nor the load of the machine decide whether it passes.
+Kinds in turn: `generate` by one and by two processes, a part of `evaluate` by two, `characterize` with a report, `experiment` with figures,
+and with --export-python each format of `export` (a Python with the package taxelsim and what the formats need). SIGKILL, SIGTERM or SIGINT
+end the command at a random time. After each signal a file with its final name has the bytes of the undisturbed run or is missing; then the
+command runs again, until it survives, and all files must be equal. Neither the times nor the load of the machine decide whether it passes.
 """
 
 import argparse
@@ -64,7 +64,8 @@ def commands(program, python, folder):
     fit = [program, "characterize", *MEASUREMENTS]
     kinds = {
         "generate": lambda out: [program, "generate", folder / "scene.yaml", "-o", out / "data", "--batch-size", "2"],
-        "evaluate": lambda out: [program, "evaluate", folder / "task.yaml", "-o", out / "parts", "--part", "2/3"],
+        "processes": lambda out: [program, "generate", folder / "scene.yaml", "-o", out / "data", "--batch-size", "2", "--processes", "2"],
+        "evaluate": lambda out: [program, "evaluate", folder / "task.yaml", "-o", out / "parts", "--part", "2/3", "--processes", "2"],
         "characterize": lambda out: [*fit, "-o", out / "sensor.yaml", "--report", out / "report.html"],
         "experiment": lambda out: [program, "experiment", folder / "experiment.yaml", "-o", out / "figures"],
     }
@@ -129,7 +130,7 @@ class Campaign:
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("program", type=pathlib.Path)
-    parser.add_argument("--kills", type=int, default=4, help="over all kinds")
+    parser.add_argument("--kills", type=int, default=5, help="over all kinds")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--export-python", default="")
     parser.add_argument("--only", nargs="+", metavar="KIND", help='some kinds alone, for example "export mcap"; default: all')

@@ -1,5 +1,5 @@
-// `generate --workers` and `evaluate --workers`: the bytes of one process, interruptions, and processes that are killed. Small batches make
-// runs that are long enough to be interrupted; the bytes do not depend on them.
+// `generate --processes` and `evaluate --processes`: the bytes of one process, interruptions, and processes that are killed. Small batches
+// make runs that are long enough to be interrupted; the bytes do not depend on them.
 #include <dirent.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -49,11 +49,11 @@ std::vector<pid_t> childrenOf(pid_t parent) {
   return children;
 }
 
-// The workers of a program, once all run. Empty if the program ends before.
-std::vector<pid_t> workersOf(const RunningTaxelsim& program, std::size_t num_workers) {
+// The processes that a program has started, once all run. Empty if the program ends before.
+std::vector<pid_t> processesOf(const RunningTaxelsim& program, std::size_t num_processes) {
   while (statusOf(program.process()).state != 'Z') {
-    std::vector<pid_t> workers = childrenOf(program.process());
-    if (workers.size() == num_workers) return workers;
+    std::vector<pid_t> children = childrenOf(program.process());
+    if (children.size() == num_processes) return children;
     std::this_thread::sleep_for(kPeriod);
   }
   return {};
@@ -97,9 +97,9 @@ std::vector<std::string> joined(std::vector<std::string> first, const std::vecto
   return first;
 }
 
-class Workers : public ::testing::Test {
+class Processes : public ::testing::Test {
  protected:
-  Workers() {
+  Processes() {
     // 40 shards of one episode, with loads out of reach.
     std::string text = kSmallTask;
     text.replace(text.find("load: [1, 3]"), 12, "load: [1, 900]");
@@ -108,128 +108,158 @@ class Workers : public ::testing::Test {
   }
 
   std::vector<std::string> generating(const std::string& directory, const std::vector<std::string>& options) const {
-    return joined(joined({"generate", "-o", root_ / directory}, options), {"--", scene_});
+    return joined({"generate", scene_, "-o", root_ / directory}, options);
   }
   std::vector<std::string> evaluating(const std::vector<std::string>& options) const { return joined({"evaluate", scene_}, options); }
 
   TemporaryDirectory root_;
   const std::string scene_ = root_ / "small.yaml";
-  const std::vector<std::string> long_run_{"--workers", "3", "--batch-size", "3"};
+  const std::vector<std::string> long_run_{"--processes", "3", "--batch-size", "3"};
 };
 
-TEST_F(Workers, GiveTheBytesAndTheTableOfOneProcess) {
+TEST_F(Processes, GiveTheBytesAndTheTableOfOne) {
   const Outcome one = runTaxelsim(generating("one", {}));
   ASSERT_EQ(one.status, 0) << one.err;
   EXPECT_EQ(count(one.err, "load out of reach"), 1u) << one.err;
   const Outcome table = runTaxelsim(evaluating({"--json"}));
-  for (const std::string num_workers : {"1", "2", "3"}) {
-    const Outcome several = runTaxelsim(generating(num_workers, {"--workers", num_workers}));
+  for (const std::string number : {"1", "3"}) {
+    const Outcome several = runTaxelsim(generating(number, {"--processes", number}));
     EXPECT_EQ(several.status, 0) << several.err;
-    EXPECT_EQ(filesOf(root_ / num_workers), filesOf(root_ / "one"));
+    EXPECT_EQ(filesOf(root_ / number), filesOf(root_ / "one"));
     EXPECT_EQ(warningsIn(several.err), warningsIn(one.err)) << "loads out of reach of all processes together";
     EXPECT_EQ(count(several.err, "40 of 40 episodes"), 1u) << "one line of progress: " << several.err;
+    EXPECT_EQ(count(several.err, "40 episodes on "), 1u) << several.err;
     EXPECT_NE(several.out.find(": 40 episodes (0 found on disk), 2,400 frames simulated"), std::string::npos) << several.out;
-    EXPECT_EQ(runTaxelsim(evaluating({"--json", "--workers", num_workers})).out, table.out);
+    EXPECT_EQ(runTaxelsim(evaluating({"--json", "--processes", number})).out, table.out);
   }
 }
 
-TEST_F(Workers, ExtendARangeAndPartsAsOneProcessDoes) {
-  ASSERT_EQ(runTaxelsim(generating("one", {})).status, 0);
-  const std::string out = root_ / "out";
-  ASSERT_EQ(runTaxelsim(generating("out", {"--episodes", "8", "--workers", "2"})).status, 0);
-  const Outcome part = runTaxelsim(generating("out", {"--episodes", "8", "--workers", "2", "--part", "1/2"}));
-  EXPECT_NE(part.out.find("shards 0 to 3 of 8 complete, 4 episodes (4 found on disk)"), std::string::npos) << part.out << part.err;
-  const Outcome extended = runTaxelsim(generating("out", {"--workers", "2"}));
-  EXPECT_NE(extended.out.find("40 episodes (8 found on disk), 1,920 frames"), std::string::npos) << extended.out << extended.err;
-  EXPECT_EQ(filesOf(out), filesOf(root_ / "one"));
-  const Outcome played = runTaxelsim(evaluating({"--episode-range", "0..39", "-o", root_ / "parts", "--workers", "2"}));
-  EXPECT_EQ(played.status, 0) << played.err;
-  EXPECT_EQ(runTaxelsim(evaluating({"--merge", root_ / "parts", "--json"})).out, runTaxelsim(evaluating({"--json"})).out);
+TEST_F(Processes, GiveTheBytesAndTheTableOfOneForGrasps) {
+  const std::string grasp = TAXELSIM_SOURCE_DIR "/scenes/gripper_grasp.yaml";
+  for (const std::string number : {"1", "2"}) {
+    const Outcome outcome =
+        runTaxelsim({"--log-level", "warning", "generate", grasp, "-o", root_ / number, "--episodes", "33", "--processes", number});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(outcome.err, "");
+  }
+  EXPECT_EQ(filesOf(root_ / "2"), filesOf(root_ / "1"));
+  const std::vector<std::string> words{"evaluate", grasp, "--episodes", "5", "--gain", "5", "--gain", "20", "--json"};
+  const Outcome one = runTaxelsim(words);
+  ASSERT_EQ(one.status, 0) << one.err;
+  const Outcome several = runTaxelsim(joined(words, {"--processes", "2"}));
+  EXPECT_EQ(several.out, one.out) << several.err;
+  EXPECT_EQ(count(several.err, "10 of 10 episodes"), 1u) << several.err;
 }
 
-TEST_F(Workers, AreStoppedByAnInterruptAndResume) {
-  const std::vector<std::string> episodes{"--episodes", "400"};  // seconds in small batches, interrupted at the first shard
+TEST_F(Processes, ExtendARangeRepairAndPlayPartsAsOneDoes) {
+  ASSERT_EQ(runTaxelsim(generating("one", {})).status, 0);
+  const std::string out = root_ / "out";
+  ASSERT_EQ(runTaxelsim(generating("out", {"--episodes", "8", "--processes", "2"})).status, 0);
+  const Outcome part = runTaxelsim(generating("out", {"--episodes", "8", "--processes", "2", "--part", "1/2"}));
+  EXPECT_NE(part.out.find("shards 0 to 3 of 8 complete, 4 episodes (4 found on disk)"), std::string::npos) << part.out << part.err;
+  const Outcome extended = runTaxelsim(generating("out", {"--processes", "2"}));
+  EXPECT_NE(extended.out.find("40 episodes (8 found on disk), 1,920 frames"), std::string::npos) << extended.out << extended.err;
+  EXPECT_EQ(filesOf(out), filesOf(root_ / "one"));
+
+  std::ofstream(out + "/shard-000030.h5") << "damaged";
+  expectRefused(runTaxelsim(joined({"--log-level", "error"}, generating("out", {"--processes", "2"}))), "shard-000030.h5: its SHA-256 is");
+  const Outcome repaired = runTaxelsim(generating("out", {"--processes", "2", "--repair"}));
+  EXPECT_EQ(repaired.status, 0) << repaired.err;
+  EXPECT_EQ(count(repaired.err, "the shard is removed and made again"), 1u) << repaired.err;
+  EXPECT_EQ(filesOf(out), filesOf(root_ / "one"));
+
+  for (const std::string number : {"1", "2"})
+    ASSERT_EQ(runTaxelsim(evaluating({"--episode-range", "5..39", "-o", root_ / number, "--processes", number})).status, 0);
+  EXPECT_EQ(filesOf(root_ / "2"), filesOf(root_ / "1"));
+  const Outcome again = runTaxelsim(evaluating({"--episode-range", "5..39", "-o", root_ / "2", "--processes", "2"}));
+  EXPECT_NE(again.out.find("35 episodes per controller found on disk"), std::string::npos) << again.out << again.err;
+}
+
+TEST_F(Processes, AreStoppedByAnInterruptAndResume) {
+  const std::vector<std::string> episodes{"--episodes", "150"};  // seconds in small batches, interrupted at the first shard
   ASSERT_EQ(runTaxelsim(generating("one", episodes)).status, 0);
   for (const bool to_group : {true, false}) {  // of a terminal, or of `kill`
     const std::string name = to_group ? "group" : "parent";
     RunningTaxelsim program(generating(name, joined(long_run_, episodes)));
-    const std::vector<pid_t> workers = workersOf(program, 2);
-    ASSERT_EQ(workers.size(), 2u) << program.wait().err;
+    const std::vector<pid_t> processes = processesOf(program, 3);
+    ASSERT_EQ(processes.size(), 3u) << program.wait().err;
     while (numShards(root_ / name) == 0) std::this_thread::sleep_for(kPeriod);
     kill(to_group ? -program.process() : program.process(), SIGINT);
     const Outcome stopped = program.wait();
     EXPECT_EQ(stopped.status, 130) << stopped.err;
-    EXPECT_EQ(count(stopped.err, "stopped: " + std::to_string(numShards(root_ / name)) + " of 400 episodes are in"), 1u) << stopped.err;
-    EXPECT_EQ(count(stopped.err, "worker"), 0u) << stopped.err;
-    for (const pid_t worker : workers) EXPECT_EQ(statusOf(worker).state, 'X') << "ended before the program";
-    const Outcome resumed = runTaxelsim(generating(name, joined({"--workers", "2"}, episodes)));
+    EXPECT_EQ(count(stopped.err, "stopped: " + std::to_string(numShards(root_ / name)) + " of 150 episodes are in"), 1u) << stopped.err;
+    for (const pid_t process : processes) EXPECT_EQ(statusOf(process).state, 'X') << "ended before the program";
+    const Outcome resumed = runTaxelsim(generating(name, joined({"--processes", "2"}, episodes)));
     EXPECT_EQ(resumed.status, 0) << resumed.err;
     EXPECT_EQ(filesOf(root_ / name), filesOf(root_ / "one"));
   }
   RunningTaxelsim program(evaluating(joined(long_run_, episodes)));
-  ASSERT_EQ(workersOf(program, 2).size(), 2u) << program.wait().err;
+  ASSERT_EQ(processesOf(program, 3).size(), 3u) << program.wait().err;
   kill(-program.process(), SIGINT);
   const Outcome stopped = program.wait();
   EXPECT_EQ(stopped.status, 130) << stopped.err;
   EXPECT_NE(stopped.err.find(" of 2 controllers are evaluated"), std::string::npos) << stopped.err;
 }
 
-TEST_F(Workers, AreLeftBehindByNoSecondInterrupt) {
+TEST_F(Processes, AreLeftBehindByNoSecondInterrupt) {
   RunningTaxelsim program(generating("out", long_run_));
-  const std::vector<pid_t> workers = workersOf(program, 2);
-  ASSERT_EQ(workers.size(), 2u) << program.wait().err;
-  kill(workers[0], SIGSTOP);  // the first interrupt waits for it without end
+  const std::vector<pid_t> processes = processesOf(program, 3);
+  ASSERT_EQ(processes.size(), 3u) << program.wait().err;
+  kill(processes[0], SIGSTOP);  // the first interrupt waits for it without end
   while (statusOf(program.process()).state != 'Z') {
     kill(program.process(), SIGINT);
     std::this_thread::sleep_for(kPeriod);
   }
   EXPECT_EQ(program.wait().status, 128 + SIGINT);
-  kill(workers[0], SIGCONT);  // it may have been stopped before it asked the kernel to end with its parent
-  for (const pid_t worker : workers) waitForEnd(worker);
+  kill(processes[0], SIGCONT);  // it may have been stopped before it asked the kernel to end with its parent
+  for (const pid_t process : processes) waitForEnd(process);
 }
 
-TEST_F(Workers, EndWithTheProcessThatStartedThem) {
+TEST_F(Processes, EndWithTheProgram) {
   for (const bool is_generate : {true, false}) {
     RunningTaxelsim program(is_generate ? generating("out", long_run_) : evaluating(long_run_));
-    const std::vector<pid_t> workers = workersOf(program, 2);
-    ASSERT_EQ(workers.size(), 2u) << program.wait().err;
+    const std::vector<pid_t> processes = processesOf(program, 3);
+    ASSERT_EQ(processes.size(), 3u) << program.wait().err;
     kill(program.process(), SIGKILL);
-    for (const pid_t worker : workers) waitForEnd(worker);
+    for (const pid_t process : processes) waitForEnd(process);
     EXPECT_EQ(program.wait().status, 128 + SIGKILL);
   }
   const Outcome resumed = runTaxelsim(generating("out", {}));
   EXPECT_EQ(resumed.status, 0) << resumed.err;
 }
 
-TEST_F(Workers, ThatAreKilledGiveOneLineAndLoseNothing) {
+TEST_F(Processes, ThatAreKilledGiveOneLineAndTheRunContinues) {
   ASSERT_EQ(runTaxelsim(generating("one", {})).status, 0);
-  const Outcome table = runTaxelsim(evaluating({"--json"}));
   for (const bool is_generate : {true, false}) {
-    std::vector<std::string> options = long_run_;
-    if (!is_generate) options.push_back("--json");
-    RunningTaxelsim program(is_generate ? generating("out", options) : evaluating(options));
-    const std::vector<pid_t> workers = workersOf(program, 2);
-    ASSERT_EQ(workers.size(), 2u) << program.wait().err;
-    kill(workers[0], SIGKILL);
+    RunningTaxelsim program(joined({"--log-level", "error"}, is_generate ? generating("out", long_run_) : evaluating(long_run_)));
+    const std::vector<pid_t> processes = processesOf(program, 3);
+    ASSERT_EQ(processes.size(), 3u) << program.wait().err;
+    kill(processes[0], SIGKILL);
     const Outcome outcome = program.wait();
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_EQ(count(outcome.err, "killed by signal 9 (Killed); its "), 1u) << outcome.err;
-    EXPECT_EQ(count(outcome.err, "warning: worker "), 1u) << outcome.err;
-    if (!is_generate) {
-      EXPECT_EQ(outcome.out, table.out);
-    }
+    EXPECT_EQ(outcome.status, 1) << outcome.err;
+    EXPECT_TRUE(outcome.err.starts_with("taxelsim: process ")) << outcome.err;
+    EXPECT_TRUE(outcome.err.ends_with(" of 3: killed by signal 9 (Killed)\n")) << outcome.err;
+    EXPECT_EQ(count(outcome.err, "\n"), 1u) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+    for (const pid_t process : processes) EXPECT_EQ(statusOf(process).state, 'X') << "ended before the program";
   }
+  ASSERT_EQ(runTaxelsim(generating("out", long_run_)).status, 0);
   EXPECT_EQ(filesOf(root_ / "out"), filesOf(root_ / "one"));
 }
 
-TEST_F(Workers, NumbersThatAreNoneAreRefused) {
+TEST_F(Processes, NumbersThatAreNoneAndFormerOptionsAreRefused) {
   for (const char* value : {"0", "-1", "x", "1000000000", "1.5"}) {
-    expectRefused(runTaxelsim(generating("out", {"--workers", value})), "--workers: ");
-    expectRefused(runTaxelsim(evaluating({"--workers", value})), "--workers: ");
+    expectRefused(runTaxelsim(generating("out", {"--processes", value})), "--processes: ");
+    expectRefused(runTaxelsim(evaluating({"--processes", value})), "--processes: ");
   }
-  expectRefused(runTaxelsim(evaluating({"--workers", "2", "--controller", "unknown"})), "controller unknown: not in this scene");
-  expectRefused(runTaxelsim({"generate", TAXELSIM_SOURCE_DIR "/scenes/gripper_grasp.yaml", "-o", root_ / "out", "--workers", "2"}),
-                "--workers: 2 found, one process makes the data set of a scene of kind grasp");
+  expectRefused(runTaxelsim(generating("out", {"--workers", "2"})), "--workers: is --processes now");
+  expectRefused(runTaxelsim(evaluating({"--workers=2"})), "--workers: is --processes now");
+  const std::vector<std::string> quiet{"--log-level", "error"};
+  expectRefused(runTaxelsim(joined(quiet, evaluating({"--processes", "2", "--controller", "unknown"}))),
+                "controller unknown: not in this scene");
+  const Outcome no_device = runTaxelsim(joined(quiet, generating("out", {"--processes", "2", "--device", "unknown"})));
+  EXPECT_NE(no_device.status, 0);
+  EXPECT_EQ(count(no_device.err, "\n"), 1u) << no_device.err;
   EXPECT_FALSE(std::filesystem::exists(root_ / "out"));
 }
 
