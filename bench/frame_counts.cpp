@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "sensor/pasternak.h"
 #include "taxelsim/simulator.h"
 
 namespace taxelsim::bench {
@@ -13,10 +12,6 @@ namespace {
 using Corner = std::array<double, 3>;  // in samples along x and y from the first corner of the array; height over the skin, m
 
 constexpr std::size_t kBatch = 64;  // frames computed at once
-
-LayerNodes nodesOf(const Sensor& sensor) {
-  return std::holds_alternative<Pasternak>(sensor.skin.law) ? pasternakNodes(sensor) : layerNodes(sensor);
-}
 
 // One frame: the samples of a patch and of its margin.
 struct Grid {
@@ -86,36 +81,6 @@ TaxelCounts countTaxels(const Grid& grid, const LayerNodes& nodes, int num_rows,
   counts.touched = static_cast<double>(std::count(touched.begin(), touched.end(), 1));
   counts.spread = static_cast<double>(std::count(spread.begin(), spread.end(), 1));
   return counts;
-}
-
-// Nodes of the blocks of kBlockRows x kBlockCols that have a node within the margin of the overlaps of some block, as in
-// shaders/pasternak/blocks.glsl.
-double numActive(const Grid& grid, const Sensor& sensor, const LayerNodes& nodes) {
-  constexpr int kBlockRows = 4, kBlockCols = 16;  // shaders/passes/pasternak.h
-  constexpr double kMarginDecays = 2;             // src/simulation/passes/pasternak.cpp
-  const double decay = decayLength(std::get<Pasternak>(sensor.skin.law));
-  const int margin = static_cast<int>(std::ceil(kMarginDecays * decay / std::min(nodes.spacing[0], nodes.spacing[1])));
-  const int rows = (grid.num_rows + kBlockRows - 1) / kBlockRows, cols = (grid.num_cols + kBlockCols - 1) / kBlockCols;
-  std::vector<char> active(static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols), 0);
-  for (int row = 0; row < grid.num_rows; ++row) {
-    for (int col = 0; col < grid.num_cols; ++col) {
-      if (!grid.isTouched(row, col)) continue;
-      const int last_row = std::min((row + margin) / kBlockRows, rows - 1), last_col = std::min((col + margin) / kBlockCols, cols - 1);
-      for (int a = std::max(row - margin, 0) / kBlockRows; a <= last_row; ++a) {
-        for (int b = std::max(col - margin, 0) / kBlockCols; b <= last_col; ++b) {
-          active[static_cast<std::size_t>(a) * static_cast<std::size_t>(cols) + static_cast<std::size_t>(b)] = 1;
-        }
-      }
-    }
-  }
-  double count = 0;
-  for (int a = 0; a < rows; ++a) {
-    for (int b = 0; b < cols; ++b) {
-      if (active[static_cast<std::size_t>(a) * static_cast<std::size_t>(cols) + static_cast<std::size_t>(b)] == 0) continue;
-      count += std::min(kBlockRows, grid.num_rows - a * kBlockRows) * std::min(kBlockCols, grid.num_cols - b * kBlockCols);
-    }
-  }
-  return count;
 }
 
 // The part of a triangle below the skin's surface.
@@ -217,8 +182,6 @@ nlohmann::ordered_json toJson(const FrameCounts& counts) {
           {"facet_samples", counts.facet_samples},
           {"pressed_nodes", counts.pressed_nodes},
           {"products", counts.products},
-          {"active_nodes", counts.active_nodes},
-          {"sweeps", counts.sweeps},
           {"iterations", counts.iterations},
           {"regions", counts.regions},
           {"reporting_taxels", counts.reporting_taxels}};
@@ -301,11 +264,10 @@ void FrameCounter::countTriangles(const Sensor& sensor, const LayerNodes& nodes,
 }
 
 std::optional<FrameCounts> FrameCounter::count(const Sensor& sensor) {
-  const LayerNodes nodes = nodesOf(sensor);
+  const LayerNodes nodes = layerNodes(sensor);
   const GridPatch& patch = sensor.patches.front();
   const auto taxelsOf = [&](const Grid& grid) { return countTaxels(grid, nodes, patch.num_rows, patch.num_cols, sensor.psf.size); };
-  const bool is_layer = std::holds_alternative<ElasticLayer>(sensor.skin.law),
-             is_foundation = std::holds_alternative<Pasternak>(sensor.skin.law);
+  const bool is_layer = std::holds_alternative<ElasticLayer>(sensor.skin.law);
   if (is_layer && std::max(nodes.num_rows, nodes.num_cols) > kMaxTaxelsPerSide) return {};
   const std::vector<float>& depth = depths(sensor, nodes);
   std::vector<float> pressure;
@@ -327,17 +289,15 @@ std::optional<FrameCounts> FrameCounter::count(const Sensor& sensor) {
       sums.products += samples * numTouched(pressed);
     }
     sums.samples += samples;
-    if (is_foundation) sums.active_nodes += numActive(grid, sensor, nodes);
     sums.touched_taxels += taxels.touched;
     sums.spread_taxels += taxels.spread;
   }
   const auto num_frames = static_cast<double>(X_SO_.size());
-  for (double* sum : {&sums.samples, &sums.touched_samples, &sums.edge_samples, &sums.pressed_nodes, &sums.products, &sums.active_nodes,
-                      &sums.touched_taxels, &sums.spread_taxels}) {
+  for (double* sum : {&sums.samples, &sums.touched_samples, &sums.edge_samples, &sums.pressed_nodes, &sums.products, &sums.touched_taxels,
+                      &sums.spread_taxels}) {
     *sum /= num_frames;
   }
   sums.taxels = patch.num_rows * patch.num_cols;
-  if (is_foundation) sums.sweeps = pasternakSweeps(sensor);
   countTriangles(sensor, nodes, sums);
   return sums;
 }

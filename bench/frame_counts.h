@@ -15,7 +15,7 @@
 
 namespace taxelsim::bench {
 
-// Means over frames. A sample is a node if the law couples samples, and a cell with area sampling.
+// Means over frames. A sample is a node of elastic_layer, and a cell with area sampling.
 struct FrameCounts {
   double taxels = 0;           // of the sensor
   double touched_taxels = 0;   // with a sample under the object; for an elastic layer, with a node under pressure
@@ -29,11 +29,9 @@ struct FrameCounts {
   double triangles_over_samples = 0;  // of these, with a sample in their bounding box
   double facet_samples = 0;           // with area sampling: pairs of such a triangle that looks down and a cell that it covers in part
 
-  // Laws that couple samples.
-  double pressed_nodes = 0;  // elastic_layer: under pressure
-  double products = 0;       // elastic_layer: samples times nodes under pressure
-  double active_nodes = 0;   // pasternak: nodes of active blocks, shaders/pasternak/blocks.glsl
-  double sweeps = 0;         // pasternak: of the solver
+  // elastic_layer.
+  double pressed_nodes = 0;  // under pressure
+  double products = 0;       // samples times nodes under pressure
 
   // Measured by the timed simulator.
   double iterations = 0;        // of the solver of elastic_layer

@@ -9,13 +9,6 @@ Skin elasticSkin(const Skin& skin, ElasticLayer::Base base, double margin) {
   return {.thickness = skin.thickness, .law = ElasticLayer{.elastic_modulus = 1e6, .poisson_ratio = 0.49, .base = base}, .margin = margin};
 }
 
-// Refines samples of 0.85 mm by 4, with area sampling by 3.
-Pasternak foundation(const Skin& skin) {
-  constexpr double kDecay = 0.66e-3;  // m
-  const double stiffness = foundationOf(skin).normal_contact_stiffness;
-  return {.normal_contact_stiffness = stiffness, .shear_stiffness = stiffness * kDecay * kDecay};
-}
-
 }  // namespace
 
 // Long function: a list.
@@ -57,8 +50,6 @@ std::vector<LawCase> lawCases() {
          s.samples_per_taxel = 2, s.skin = elasticSkin(s.skin, ElasticLayer::Base::kBonded, 4e-3);
          s.skin.relaxation = {{.fraction = 0.2, .time = 0.1}, {.fraction = 0.2, .time = 2}};
        }},
-      {"pasternak", [](Sensor& s) { s.skin.law = foundation(s.skin); }},
-      {"pasternak, area", [](Sensor& s) { s.skin.law = foundation(s.skin), s.depth_sampling = DepthSampling::kArea; }},
       {.name = "lugre",
        .change = [=](Sensor& s) { s.skin.law = LuGre{.normal_contact_stiffness = stiffness(s)}; },
        .is_paired = true,

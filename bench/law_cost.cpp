@@ -29,7 +29,7 @@ constexpr double kStride = 1e-5;   // m, along x, back and forth between frames:
 struct Options {
   std::string sensor = TAXELSIM_BENCH "/sensors/wts0614.yaml";
   std::string json, device, only;
-  int num_instances = 512;  // 520 of pasternak fit into Debian's lavapipe
+  int num_instances = 512;
   int repetitions = 11;
   bool pairs = false;
   double bandwidth = MachineRates{}.bandwidth / 1e9, arithmetic = MachineRates{}.arithmetic / 1e9;  // GB/s, GFLOP/s

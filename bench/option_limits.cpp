@@ -41,7 +41,7 @@ constexpr double kQuadInCells = 16, kFacet = 17 + 3 * 4;
 // edge_sums.glsl, addEdge() of three edges 46 each; facets.glsl, addOutlineCell(): centroid 4, depth 6, integrals 1, addToSums() 4.
 constexpr double kFacetCell = 3 * 46 + 4 + 6 + 1 + 4;
 constexpr double kTakeSums = 2;  // cell_depths.glsl, takeSums()
-// How depths vary over a cell, where friction, an exponent or a coupled law needs it: integralInside() 24; per line 26 + 4 + 3; second
+// How depths vary over a cell, where friction, an exponent or elastic_layer needs it: integralInside() 24; per line 26 + 4 + 3; second
 // moments of three edges 51 each and their integrals 30; variationOf() or edgeOf() and packedCentroid() 15.
 constexpr double kVariationInside = 24, kVariationEdge = 4 * 33, kVariationFacet = 3 * 51 + 30, kVariationCell = 15;
 
@@ -63,7 +63,7 @@ constexpr double kAxes = 2 + 6 + 2 + 2 + kAngle + 1 + 3;  // axesOf()
 constexpr double kCentral = 11;                           // moments.glsl, centralMoments()
 constexpr double kMoments = kCentral + 22 + kAxes;        // writeMoments(): centralMoments(), centre in S, axesOf()
 constexpr double kFeatures = 2 * kMoments + 2;            // of the measured and the clean image; two shares
-constexpr double kFeatureBytes = 36 * kWord;              // shaders/shared/features.h: without those of coupled laws and contact points
+constexpr double kFeatureBytes = 36 * kWord;              // shaders/shared/features.h: without those of elastic_layer and contact points
 
 // ---- states of samples and taxels ----
 
@@ -115,7 +115,7 @@ constexpr double kJacobianTaxel = 9 * (kPosition + 2 + 13) + 6 * 6 * 2;
 constexpr double kJacobianRow = 6 * (20 + 15);     // jacobian_rows.glsl, changeOf(), writeChange()
 constexpr double kJacobianBytes = 2 * 30 * kWord;  // shaders/shared/features.h, kNumJacobian, of the sensor and its patch
 
-// ---- coupled laws ----
+// ---- elastic_layer ----
 
 constexpr double kProduct = 2;  // elastic_layer/influence.glsl, displacementAt(): a product and a sum
 // elastic_layer/: targets 2, first pressures and residual 7, updateResidual() 6.
@@ -126,19 +126,11 @@ constexpr double kLayerFeatureBytes = 3 * kWord;  // off_array_load, contact_res
 // elastic_layer/relaxation.glsl: dentAt() 3, updateSkin() 2; per term 4 and 2.
 constexpr double kLayerRelaxNode = 5, kLayerRelaxTerm = 6;
 
-// pasternak/solver.glsl, a sweep of a node: pull 7, diagonal 4, relaxed() 4; with area sampling relaxationOf() 2.
-constexpr double kSweepNode = 7 + 4 + 4, kSweepNodeOfCells = 2;
-// Of a node once: two links 5 each, with cells 11 each; forcesOn() 13, addForces() 4. Of a touched node: overlap 2, cutNode() 35.
-constexpr double kLinksOfNode = 2 * 5, kLinksOfCell = 2 * 11, kForceNode = 13 + 4, kOverlapNode = 2, kCutNode = 35;
-
 bool isArea(const Sensor& sensor) {
   return sensor.depth_sampling == DepthSampling::kArea;
 }
 bool isLayer(const Sensor& sensor) {
   return std::holds_alternative<ElasticLayer>(sensor.skin.law);
-}
-bool isFoundation(const Sensor& sensor) {
-  return std::holds_alternative<Pasternak>(sensor.skin.law);
 }
 bool hasFriction(const Sensor& sensor) {
   return sensor.skin.friction.tangential_stiffness > 0;
@@ -168,7 +160,7 @@ StageWork pointDepths(const FrameCounts& counts) {
 
 // What area sampling takes more than points.
 StageWork areaDepths(const Sensor& sensor, const FrameCounts& counts) {
-  const bool varies = hasFriction(sensor) || isLuGre(sensor) || isLayer(sensor) || isFoundation(sensor);
+  const bool varies = hasFriction(sensor) || isLuGre(sensor) || isLayer(sensor);
   StageWork work{.stage = "area sampling"};
   if (counts.triangles == 0) {
     const double inside = counts.touched_samples - counts.edge_samples;
@@ -236,15 +228,6 @@ StageWork layerWork(const FrameCounts& counts) {
               (kLayerStart + kLayerIteration * counts.iterations) * counts.samples + kProduct * (1 + counts.iterations) * counts.products};
 }
 
-StageWork foundationWork(const Sensor& sensor, const FrameCounts& counts) {
-  const bool is_area = isArea(sensor);
-  const double of_sweep = kSweepNode + (is_area ? kSweepNodeOfCells : 0);
-  const double once = kForceNode + (is_area ? kLinksOfCell : kLinksOfNode), touched = kOverlapNode + (is_area ? kCutNode : 0);
-  return {.stage = "pasternak",
-          .bytes = kWord,  // off_array_load
-          .operations = (counts.sweeps * of_sweep + once) * counts.active_nodes + touched * counts.touched_samples};
-}
-
 StageWork contactFeaturesWork(int max_regions, const FrameCounts& counts) {
   const double regions = std::min(counts.regions, static_cast<double>(max_regions));
   StageWork work{.stage = "contact features",
@@ -277,7 +260,6 @@ void addLaw(const Sensor& sensor, const FrameCounts& counts, std::vector<StageWo
     stages.push_back({.stage = "deformation_mask", .bytes = 0, .operations = kMaskTaxel * counts.spread_taxels});
   }
   if (isLayer(sensor)) stages.push_back(layerWork(counts));
-  if (isFoundation(sensor)) stages.push_back(foundationWork(sensor, counts));
 }
 
 double seconds(double bytes, double operations, const MachineRates& rates) {

@@ -35,7 +35,7 @@ std::vector<StageWork> plainFrame(const FrameCounts& counts);
 
 // The same, and the stages that the options of `sensor` and `outputs` add. `max_regions`: of the contact features. Covers all laws, winkler
 // with exponent 1, on one grid patch under an object whose pose is given, contact_features and tactile_jacobian; not vary_skin, three-axis
-// readout, other outputs and the tactile Jacobian of coupled laws.
+// readout, other outputs and the tactile Jacobian of elastic_layer.
 std::vector<StageWork> frameWork(const Sensor& sensor, const OutputOptions& outputs, int max_regions, const FrameCounts& counts);
 
 // {stage: {bytes, operations}}

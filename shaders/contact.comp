@@ -110,7 +110,7 @@ void computeTile(uint instance, uint tile_number, uint num_slots) {
   ActiveTaxels taxels = activeTaxels(samples);
   TileStep step = beginPressures(tile, instance, tile_number, num_slots, reach, taxels, load_driven, search_here);
   pressTaxels(tile, step, taxels, found);
-  if (kClearsHeights || HAS_CELLS) clearTaxels(tile, instance, step.result, taxels, gl_LocalInvocationIndex, WORKGROUP);
+  clearTaxels(tile, instance, step.result, taxels, gl_LocalInvocationIndex, WORKGROUP);
   writeTileResult(tile, step, taxels, samples);
 }
 

@@ -175,4 +175,8 @@ std::vector<Vector3> loadContour(const std::filesystem::path& file);
 /// have the taxels of the scene's own.
 Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrides = {});
 
+/// The scene of a data set, Manifest::scene, as text that loadScene() reads. A data set of an earlier version may have the contact law
+/// `pasternak`, which was removed: the result has its springs, `winkler`. For reading what was recorded; a simulation would differ.
+std::string readableScene(const std::string& recorded);
+
 }  // namespace taxelsim

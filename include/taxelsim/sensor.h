@@ -38,8 +38,7 @@ inline constexpr double kMinLuGreFriction = 1e-9;        ///< Smallest friction 
 inline constexpr double kMaxBristle = 1e12;              ///< Stiffness, damping and viscous friction of LuGre.
 inline constexpr double kMaxTangentialStiffness = 1e30;  ///< N/m^3, bounded by float32 on the device, with room for a displacement.
 inline constexpr int kMaxLayerNodes = 65536;             ///< Nodes of an elastic layer: samples of its patch and margin.
-inline constexpr int kMaxLayerIterations = 1000;         ///< ElasticLayer::iterations, Pasternak::iterations.
-inline constexpr int kMaxRefinement = 16;                ///< Nodes per sample and side of a Pasternak foundation.
+inline constexpr int kMaxLayerIterations = 1000;         ///< ElasticLayer::iterations.
 inline constexpr double kMaxLayerThickness = 0.1;  ///< m, Skin::thickness under ElasticLayer: heights count from the base, in float32.
 inline constexpr double kMaxPressureError = 4e3;   ///< Pa, maxDepthErrorOf(): 0.046 N on a taxel of 3.4 mm.
 /// @}
@@ -162,30 +161,8 @@ struct ElasticLayer {
   bool operator==(const ElasticLayer&) const = default;  ///< Exact comparison.
 };
 
-/// Contact law: two-parameter foundation, springs that a shear layer (Pasternak) or a stretched membrane (Filonenko-Borodich) joins.
-///
-/// Displacements w >= 0 of the surface (m, into the skin) and pressures p satisfy
-///
-///     p = normal_contact_stiffness w - shear_stiffness laplace(w),   p = 0 outside of the contact,   w >= d,   p (w - d) = 0
-///
-/// with the overlap d of object and undeformed skin. The surface around a contact is drawn down over the decay length
-/// sqrt(shear_stiffness / normal_contact_stiffness), so that edges carry a line force. Solved by finite differences on nodes that are at
-/// most a third of the decay length apart, with DepthSampling::kArea four ninths: samples_per_taxel is refined by a whole number. A link
-/// between a node under the object and one beyond its outline ends half-way, with kArea where the outline crosses it, which makes the
-/// force a continuous function of the pose. Beyond the array the surface goes on. Several patches: laplace() is along the skin. No
-/// friction, relaxation, margin or tactile Jacobian.
-struct Pasternak {
-  double normal_contact_stiffness = 0;  ///< N/m^3, > 0, of the springs: the foundation modulus.
-  double shear_stiffness = 0;           ///< N/m, > 0, of the shear layer, or tension of the membrane.
-  /// Sweeps of the solver per frame or step of the load search, 1 to kMaxLayerIterations. 0, the default: as many as leave an error of the
-  /// force below 0.8 %, from the decay length and the spacing of the nodes; 6 for nodes a third of the decay length apart.
-  int iterations = 0;
-
-  bool operator==(const Pasternak&) const = default;  ///< Exact comparison.
-};
-
 /// Any contact law.
-using ContactLaw = std::variant<Winkler, MassSpringDamper, DeformationMask, Proximity, ElasticLayer, LuGre, Pasternak>;
+using ContactLaw = std::variant<Winkler, MassSpringDamper, DeformationMask, Proximity, ElasticLayer, LuGre>;
 
 /// Stick-slip friction with memory: a tangential spring at every sample, attached to the object where it touched, that slips at Coulomb's
 /// cone `|traction| <= friction_coefficient * pressure`.
@@ -341,7 +318,7 @@ enum class DepthSampling {
   /// change continuously with the pose, and objects narrower than a cell press with all their area. A mesh that is not closed has the depth
   /// of kPoint; of several objects the one with the largest mean counts. With exponents other than 1, and for friction, two points
   /// represent the part of a cell that the object covers; they have the mean and the variance of its depth. On an ElasticLayer an edge cuts
-  /// cells, whose covered part then has this mean; smooth surfaces are met as with kPoint. On Pasternak an outline cuts the links of nodes.
+  /// cells, whose covered part then has this mean; smooth surfaces are met as with kPoint.
   kArea,
 };
 

@@ -46,11 +46,6 @@ double shearModulus(const Material& material);
 /// a material out of range.
 double confinedModulus(const Material& material);
 
-/// Decay length (m) of a layer whose points move vertically only, with a displacement linear over its thickness (m, > 0): sqrt(G h^2 / (3
-/// M)), G the shear, M the confined modulus. V. Z. Vlasov, N. N. Leontiev, "Beams, plates and shells on elastic foundations", 1966.
-/// `poisson_ratio`: 0 to below 0.5. Throws Error(kInput) for arguments out of range.
-double foundationDecay(double poisson_ratio, double thickness);
-
 /// Force per depth (N/m) of a rigid flat circular pin on a layer of `thickness` (m, > 0) bonded to a rigid base, without friction under the
 /// pin: the continuum solution of the law ElasticLayer. Relative error below 1e-4.
 ///
@@ -97,16 +92,12 @@ struct SkinData {
   std::variant<KnownModulus, PinPress, TaxelStiffness, AreaStiffness> stiffness{};  ///< The material or the measurement.
 };
 
-/// Stiffness of a skin, as springs, as a bonded layer and as a two-parameter foundation.
+/// Stiffness of a skin, as springs and as a bonded layer.
 struct SkinStiffness {
   double thickness = 0;             ///< m.
   Material material{};              ///< Of the layer.
   double area_stiffness = 0;        ///< N/m^3, of springs.
   double tangential_stiffness = 0;  ///< N/m^3, shear modulus / thickness: the layer in simple shear; for Friction::tangential_stiffness.
-  /// N/m^3, springs of the two-parameter foundation: area_stiffness, but under a pin that was pressed or matched those with its force.
-  double foundation_stiffness = 0;
-  /// N/m, shear layer of the two-parameter foundation: foundation_stiffness times the square of foundationDecay().
-  double shear_stiffness = 0;
 
   bool operator==(const SkinStiffness&) const = default;  ///< Exact comparison.
 };

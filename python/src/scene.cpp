@@ -128,6 +128,10 @@ void bindScene(nb::module_& module) {
 
 num_episodes, seed: replace those of the file. condition: name of one of the scene's conditions, whose overrides of sensor and randomization
 apply; "nominal" is the scene without them. refuse_folders: whether to refuse a file that is named with a folder, for the scene of a data set. Raises InputError with file, line, column, key, the value found and what is allowed.)");
+  module.def(
+      "readable_scene", &readableScene, "recorded"_a,
+      "The scene of a data set as text that load_scene() reads: with the springs of a contact law that was removed, for reading what "
+      "was recorded.");
 }
 
 }  // namespace taxelsim::python

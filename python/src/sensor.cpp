@@ -82,12 +82,6 @@ pressure = max(0, normal_contact_stiffness d^normal_exponent + normal_damping d'
       field("viscous_friction", &LuGre::viscous_friction, "s/m, >= 0."),
       field("static_friction", &LuGre::static_friction, ">= coulomb_friction."),
       field("coulomb_friction", &LuGre::coulomb_friction, "> 0."), field("stribeck_velocity", &LuGre::stribeck_velocity, "m/s, > 0."));
-  nb::class_<Pasternak> pasternak(module, "Pasternak",
-                                  "Contact law: two-parameter foundation, springs that a shear layer (Pasternak) or a membrane joins.");
-  addFields(pasternak, field("normal_contact_stiffness", &Pasternak::normal_contact_stiffness, "N/m^3, > 0, of the springs."),
-            field("shear_stiffness", &Pasternak::shear_stiffness, "N/m, > 0, of the shear layer, or tension of the membrane."),
-            field("iterations", &Pasternak::iterations,
-                  "Sweeps of the solver, 1 to 1000; 0, the default, for as many as leave an error of the force below 0.8 %."));
 }
 
 void bindSkin(nb::module_& module) {

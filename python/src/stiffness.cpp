@@ -44,9 +44,7 @@ void bindStiffness(nb::module_& module) {
   nb::class_<SkinStiffness> stiffness(module, "SkinStiffness", "Stiffness of a skin, as springs and as a bonded layer.");
   addFields(stiffness, field("thickness", &SkinStiffness::thickness, "m."), field("material", &SkinStiffness::material, "Of the layer."),
             field("area_stiffness", &SkinStiffness::area_stiffness, "N/m^3, of springs."),
-            field("tangential_stiffness", &SkinStiffness::tangential_stiffness, "N/m^3, shear modulus / thickness."),
-            field("foundation_stiffness", &SkinStiffness::foundation_stiffness, "N/m^3, springs of a two-parameter foundation."),
-            field("shear_stiffness", &SkinStiffness::shear_stiffness, "N/m, shear layer of a two-parameter foundation."));
+            field("tangential_stiffness", &SkinStiffness::tangential_stiffness, "N/m^3, shear modulus / thickness."));
   module.def("shore_a_modulus", &shoreAModulus, "shore_a"_a,
              "Young's modulus (Pa) of rubber of a Shore A hardness, 20 to 90; Gent (1958).");
   module.def("shear_modulus", &shearModulus, "material"_a, "E / (2 (1 + nu)), Pa.");
@@ -55,9 +53,9 @@ void bindStiffness(nb::module_& module) {
              "Force per depth (N/m) of a rigid flat circular pin on a layer bonded to a rigid base, without friction under the pin.");
   module.def("skin_stiffness", &skinStiffness, "data"_a,
              "Stiffness that follows from `data`. Raises InputError with the field, its value and what is allowed.");
-  module.def("skins_of", &skinsOf, "stiffness"_a, "friction_coefficient"_a = 0.0,
-             "A skin of this stiffness under each contact law: Winkler, MassSpringDamper, DeformationMask, Proximity, ElasticLayer, LuGre, "
-             "Pasternak.");
+  module.def(
+      "skins_of", &skinsOf, "stiffness"_a, "friction_coefficient"_a = 0.0,
+      "A skin of this stiffness under each contact law: Winkler, MassSpringDamper, DeformationMask, Proximity, ElasticLayer, LuGre.");
   module.def("pin_force", &pinForce, "skin"_a, "pin_diameter"_a, "depth"_a,
              "Force (N) under a flat circular pin at `depth` (m, 0 to the thickness), at rest; what the taxels read for Proximity.");
   module.def("pin_depth", &pinDepth, "skin"_a, "pin_diameter"_a, "force"_a,

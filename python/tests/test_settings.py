@@ -18,7 +18,6 @@ SETTINGS = [
     taxelsim.Object(taxelsim.Sphere(radius=0.01), name="ball"),
     taxelsim.Mesh(np.eye(3), [[0, 1, 2]]),
     taxelsim.Skin(thickness=0.002, law=taxelsim.ElasticLayer(elastic_modulus=1e6, base=taxelsim.ElasticLayer.Base.HALF_SPACE)),
-    taxelsim.Skin(thickness=0.002, law=taxelsim.Pasternak(normal_contact_stiffness=5e8, shear_stiffness=218, iterations=20)),
     taxelsim.gaussian_psf(0.7, 3, taxelsim.Psf.Normalization.NONE),
     taxelsim.Readout(creep=[taxelsim.CreepTerm(fraction=0.1, time=2)], curve=[1, 2]),
     taxelsim.OutputOptions(contact_features=True),

@@ -16,7 +16,7 @@ def test_pin_of_the_paper_as_springs_and_as_a_layer():
     stiffness = taxelsim.skin_stiffness(taxelsim.SkinData(thickness=0.002, stiffness=press))
     assert stiffness.area_stiffness == pytest.approx(2.546e9, rel=1e-3)
     skins = taxelsim.skins_of(stiffness, friction_coefficient=0.5)
-    laws = ["Winkler", "MassSpringDamper", "DeformationMask", "Proximity", "ElasticLayer", "LuGre", "Pasternak"]
+    laws = ["Winkler", "MassSpringDamper", "DeformationMask", "Proximity", "ElasticLayer", "LuGre"]
     assert [type(skin.law).__name__ for skin in skins] == laws
     for skin in skins:
         assert taxelsim.pin_force(skin, 0.001, 0.001) == pytest.approx(2)

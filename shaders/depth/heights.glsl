@@ -61,9 +61,7 @@ bool hasKind(uint instance) {
   return (OBJECT_KINDS & (1u << objectOf(max(objectInSlot(instance), 0)).kind_groups.x)) != 0;
 }
 
-// `pasternak` on one grid needs no heights above z_limit: a cut link has the same stiffness however far the surface falls.
-const bool kNeedsLowHeights = kGlobalSolve && !kClearsHeights && NUM_ROWS > 0;
-const bool kBoundsRound = (OBJECT_KINDS & kRoundKinds) != 0 && (uint(!kGlobalSolve) | uint(kNeedsLowHeights)) != 0u;
+const bool kBoundsRound = (OBJECT_KINDS & kRoundKinds) != 0 && !kGlobalSolve;
 // Shrinks the bounds of a round solid along u and v to the part that is lower than z_limit.
 void boundRound(Tile tile, vec4 parameters, inout Body body) {
   RoundPart part = roundPartBelow(tile.z_limit, body.kind_groups.x, parameters, body.X_PO);

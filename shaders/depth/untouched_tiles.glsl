@@ -58,8 +58,7 @@ void clearTaxels(Tile tile, uint instance, uint result, ActiveTaxels active_taxe
 void clearTile(Tile tile, uint instance, uint tile_number, uint invocation, uint num_invocations) {
   uint result = instance * NUM_TILES + tile_number;
   if (kKnowsPast && all(equal(pastWindow(result), uvec4(0)))) return;
-  // Heights are read inside of the windows only.
-  if (!kGlobalSolve) clearTaxels(tile, instance, result, ActiveTaxels(uvec2(0), uvec2(0)), invocation, num_invocations);
+  clearTaxels(tile, instance, result, ActiveTaxels(uvec2(0), uvec2(0)), invocation, num_invocations);
   if (num_invocations > 1) workgroupBarrier();
   if (invocation > 0) return;
   if (kStoresTouched) state[stateStart(result) + kTouchedTaxels] = uvec4(0);

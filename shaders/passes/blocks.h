@@ -18,10 +18,6 @@
 #define BLOCK_MaskScale BLOCK(MaskScale, float, mask_scale[])  // (t): what a source gives to deformation_mask per newton, on one grid patch
 #define BLOCK_Mask BLOCK(Mask, vec2, mask[])  // of deformation_mask (MASK_SOURCES / 2 x t x 2): source taxel (as bits), weight
 #define BLOCK_Influence BLOCK(Influence, float, influence[])  // of an elastic layer (node rows x 2 rows of strips)
-#define BLOCK_FoundationNodes BLOCK(FoundationNodes, FoundationNodeRecord, foundation_nodes[])      // of a linked foundation (num_nodes)
-#define BLOCK_FoundationLinks BLOCK(FoundationLinks, FoundationLinkRecord, foundation_links[])      // (most links of a node x num_nodes)
-#define BLOCK_FoundationBlocks BLOCK(FoundationBlocks, FoundationBlockRecord, foundation_blocks[])  // (num_blocks)
-#define BLOCK_NearBlocks BLOCK(NearBlocks, uint, near_blocks[])                                     // lists, one after another
 #define BLOCK_Planes BLOCK(Planes, PlaneRecord, planes[])
 #define BLOCK_Neighbours BLOCK(Neighbours, uint, neighbours[])          // (NUM_NEIGHBOURS x t), of lower number
 #define BLOCK_FeatureSource BLOCK(FeatureSource, uint, feature_source)  // of contact features: 0 the image, 1 the clean forces
@@ -56,11 +52,9 @@
 #define BLOCK_ContactDepth BLOCK(ContactDepth, float, contact_depth[])       // (n x t), m
 #define BLOCK_TileResults BLOCK(TileResults, TileResult, tile_results[])     // (n x num_tiles)
 #define BLOCK_Heights BLOCK(Heights, uint, heights[])         // of an elastic layer (n x num_nodes): m as bits, depth/slots.glsl
-#define BLOCK_NodeCells BLOCK(NodeCells, uint, node_cells[])  // of a coupled law (n x num_nodes x kNodeCellWords), shared/elastic_layer.h
+#define BLOCK_NodeCells BLOCK(NodeCells, uint, node_cells[])  // of its cells (n x num_nodes x kNodeCellWords), shared/elastic_layer.h
 #define BLOCK_Windows BLOCK(Windows, TileResult, windows[])   // of an elastic layer (n x tiles of its heights)
 #define BLOCK_Layer BLOCK(Layer, Pair, layer[])               // arrays over strips of nodes, kLayer...
-#define BLOCK_Foundation \
-  BLOCK(Foundation, Pair, foundation[])  // arrays over nodes, pasternak/arrays.glsl, linked_foundation/active_blocks.glsl
 #define BLOCK_TaxelStates BLOCK(TaxelStates, float, taxel_states[])     // (n x num_states x t), readout/lag.glsl
 #define BLOCK_ImageWindows BLOCK(ImageWindows, uvec4, image_windows[])  // of the step before: first row and column, their numbers
 #define BLOCK_AxisPlays BLOCK(AxisPlays, float, axis_plays[])           // (n x 3 x t), N, three_axis.comp
@@ -103,8 +97,7 @@
 #define BLOCK_ForceFours BLOCK(ForceFours, vec4, force_fours[])      // ContactNormal or MaskedNormal, to be loaded four taxels at a time
 #define BLOCK_ResultFours BLOCK(ResultFours, uvec4, result_fours[])  // TileResults, to be loaded four words at a time
 #define BLOCK_ImagePairs BLOCK(ImagePairs, Pair, image_pairs[])      // Image, two taxels at a time
-#define BLOCK_FoundationRows BLOCK(FoundationRows, uvec4, foundation_rows[])  // Foundation, to be loaded four words at a time
-#define BLOCK_Triggers BLOCK(Triggers, float, triggers[])                     // (t, padded to fours), N
+#define BLOCK_Triggers BLOCK(Triggers, float, triggers[])            // (t, padded to fours), N
 #define BLOCK_CleanFeatureSource BLOCK(CleanFeatureSource, uint, feature_source)
 #define BLOCK_CleanContactFeatures BLOCK(CleanContactFeatures, float, features[])
 #define BLOCK_CleanTactileJacobian BLOCK(CleanTactileJacobian, float, features[])  // with the wrench's after that of the features
@@ -115,8 +108,7 @@
 #define ALL_BLOCKS                                                                                              \
   BLOCK_Objects BLOCK_Groups BLOCK_Clusters BLOCK_Quads BLOCK_Faces                                             \
   BLOCK_SensorBlock BLOCK_Patches BLOCK_Tiles BLOCK_Taxels BLOCK_SpreadRows BLOCK_SpreadScale BLOCK_Mask BLOCK_MaskScale         \
-  BLOCK_Influence BLOCK_FoundationNodes BLOCK_FoundationLinks BLOCK_FoundationBlocks BLOCK_NearBlocks            \
-  BLOCK_Planes BLOCK_Neighbours BLOCK_FeatureSource BLOCK_Triggers                                                                                 \
+  BLOCK_Influence BLOCK_Planes BLOCK_Neighbours BLOCK_FeatureSource BLOCK_Triggers                                                                                 \
   BLOCK_Poses BLOCK_Motions BLOCK_Instances BLOCK_Step BLOCK_Loads BLOCK_Contacts BLOCK_NumContacts              \
   BLOCK_Cotangents BLOCK_ForceCotangents                                                                        \
   BLOCK_Servos BLOCK_Loop BLOCK_Robot BLOCK_LoopStarts BLOCK_LoopState                                          \
@@ -124,10 +116,10 @@
   BLOCK_ObjectPoses BLOCK_SensorPoses BLOCK_Actions BLOCK_RobotStatuses BLOCK_ServoFeatures                      \
   BLOCK_Candidates BLOCK_CandidateQuads BLOCK_Work BLOCK_WorkInstances                                          \
   BLOCK_State BLOCK_FrictionState BLOCK_LawState BLOCK_ContactNormal BLOCK_MaskedNormal BLOCK_ContactShear BLOCK_ContactDepth       \
-  BLOCK_TileResults BLOCK_Heights BLOCK_NodeCells BLOCK_Windows BLOCK_Layer BLOCK_Foundation BLOCK_TaxelStates BLOCK_ImageWindows BLOCK_AxisPlays \
+  BLOCK_TileResults BLOCK_Heights BLOCK_NodeCells BLOCK_Windows BLOCK_Layer BLOCK_TaxelStates BLOCK_ImageWindows BLOCK_AxisPlays \
   BLOCK_Forces BLOCK_TaxelRegions BLOCK_RegionSums BLOCK_Regions                                                \
   BLOCK_ContactCells BLOCK_TileChanges BLOCK_TaxelJacobian BLOCK_MaskedJacobian BLOCK_WrenchJacobian             \
   BLOCK_Image BLOCK_TaxelCounts BLOCK_SpreadNormal BLOCK_SpreadShear BLOCK_Features BLOCK_ContactFeatures BLOCK_TactileJacobian    \
   BLOCK_SpreadJacobian BLOCK_TwistGradient BLOCK_GainGradient BLOCK_Problems                                                                     \
-  BLOCK_EmptyWork BLOCK_PastState BLOCK_PastTaxelStates BLOCK_LayerStrips BLOCK_ForceFours BLOCK_ResultFours BLOCK_ImagePairs BLOCK_FoundationRows BLOCK_CleanFeatureSource BLOCK_CleanContactFeatures BLOCK_CleanTactileJacobian
+  BLOCK_EmptyWork BLOCK_PastState BLOCK_PastTaxelStates BLOCK_LayerStrips BLOCK_ForceFours BLOCK_ResultFours BLOCK_ImagePairs BLOCK_CleanFeatureSource BLOCK_CleanContactFeatures BLOCK_CleanTactileJacobian
 // clang-format on

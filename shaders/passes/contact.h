@@ -3,7 +3,7 @@
 VALUE(kNoSearch, 0)         // no instance is driven by load
 VALUE(kSearchInTile, 1)     // the pass searches over its one tile
 VALUE(kSearchOverTiles, 2)  // load.comp searches over all tiles
-VALUE(kSearchEnded, 3)      // the frame, or the cells of pasternak, at the offsets that a search has found
+VALUE(kSearchEnded, 3)      // the frame at the offsets that a search has found
 
 CONSTANT(11, uint, TILE_SAMPLES)  // most samples of a tile
 CONSTANT(12, bool, FLAT)          // the frame of the one patch is S

@@ -29,10 +29,6 @@ void writeNodeCell(uint node, float height, uint word, uint address) {
   node_cells[kNodeCellWords * node + 2u] = cell_variations[address];
 }
 
-// What a translation of the objects has added to the heights of cells, m. After a search in the tile cells have the heights of the poses; those of a search over
-// tiles belong to the offset that is tried.
-float cellOffset(Tile tile) { return SEARCH == kSearchOverTiles ? 0.0 : tile.offset_z; }
-
 // Taxels of a tile that can carry force: a rectangle, in taxels of the tile, half-open.
 struct ActiveTaxels {
   uvec2 first, count;
@@ -80,7 +76,7 @@ struct TaxelSums {
 };
 
 // For Newton's method over tiles, load.comp. A search has no shear, whose torque takes the same place.
-const bool kSumsSlopes = AREA && SEARCH == kSearchOverTiles && !kGlobalSolve;
+const bool kSumsSlopes = AREA && SEARCH == kSearchOverTiles;
 
 // Runs the load search of this tile and loads the states of relaxation and friction.
 TileStep beginPressures(Tile tile, uint instance, uint tile_number, uint num_slots, Reach reach, ActiveTaxels taxels, bool load_driven, bool search_here) {
@@ -286,9 +282,9 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
           uint word = component(rows.here, b);
           float height = withoutSlot(word);
           if (!keepsRows()) height = sampleHeight(tile, step, address, position, found, word);
-          if (kWritesCells) writeNodeCell(step.first_taxel + in_patch.x * tile.grid.y + in_patch.y, -cellOffset(tile) - depthOfWord(word), word, address);
+          if (kWritesCells) writeNodeCell(step.first_taxel + in_patch.x * tile.grid.y + in_patch.y, -tile.offset_z - depthOfWord(word), word, address);
           if (kGlobalSolve) {
-            force = height >= kMiss ? kMiss : uintBitsToFloat(withSlot(tile.z_base - tile.level + height, slotOf(word)));
+            force = height >= kMiss ? kMiss : uintBitsToFloat(withSlot(tile.z_base + height, slotOf(word)));
             continue;
           }
           float d = clamp(step.load_driven ? step.found.depth - (height - step.found.lowest) : THICKNESS - height, 0.0, THICKNESS);

@@ -8,6 +8,7 @@
 #include "scene/sensor_file.h"
 #include "taxelsim/dataset.h"
 #include "taxelsim/error.h"
+#include "taxelsim/scene.h"
 
 namespace taxelsim::cli {
 namespace {
@@ -19,7 +20,7 @@ constexpr std::uint64_t kFramesRead = 4096;
 std::optional<Sensor> sensorOf(const Manifest& manifest) {
   const std::string name = "scene of the data set";
   try {
-    const YamlTree tree = parseYaml(manifest.scene, name);
+    const YamlTree tree = parseYaml(readableScene(manifest.scene), name);
     const YamlNode root(tree, name);
     const std::optional<YamlNode> block = root.isMap() ? root.child("sensor") : std::nullopt;
     Canonical canonical;

@@ -180,11 +180,6 @@ std::string lawComment(const SkinStiffness& stiffness, std::string_view law) {
     return springs + "; mass, stiffness (N/m) and damping are those of a taxel's output, by default SkinSim's";
   if (law == "deformation_mask") return springs + "; the saturation pressure is RobWorkSim's";
   if (law == "proximity") return springs + "; reads their force, although nothing presses";
-  if (law == "pasternak") {
-    return fmt::format("two-parameter foundation: {} N/m^3, decay length {} mm by Poisson's ratio",
-                       roundedText(stiffness.foundation_stiffness),
-                       roundedText(1e3 * foundationDecay(stiffness.material.poisson_ratio, stiffness.thickness)));
-  }
   if (law == "lugre") return springs + "; the friction parameters are the defaults";
   return springs;
 }
@@ -217,8 +212,7 @@ void printText(const StiffnessArguments& arguments, const SkinStiffness& stiffne
   head += predictionTable(predict(skins), stiffness.thickness);
   printOut("{}", commented(head));
   SkinStiffness rounded = stiffness;
-  for (double* value : {&rounded.material.elastic_modulus, &rounded.area_stiffness, &rounded.tangential_stiffness,
-                        &rounded.foundation_stiffness, &rounded.shear_stiffness}) {
+  for (double* value : {&rounded.material.elastic_modulus, &rounded.area_stiffness, &rounded.tangential_stiffness}) {
     *value = roundedNumber(*value);
   }
   for (const Skin& skin : skinsOf(rounded, arguments.friction_coefficient)) {
@@ -265,8 +259,6 @@ void printJson(const StiffnessArguments& arguments, const SkinStiffness& stiffne
                               {"area_stiffness", stiffness.area_stiffness},
                               {"area_stiffness_assumption", assumptions.springs},
                               {"tangential_stiffness", stiffness.tangential_stiffness},
-                              {"foundation_stiffness", stiffness.foundation_stiffness},
-                              {"shear_stiffness", stiffness.shear_stiffness},
                               {"pins", nlohmann::ordered_json::array()},
                               {"hexagon",
                                {{"area", kHexagonArea},

@@ -162,9 +162,8 @@ double AreaDepth::firstTouch() const {
 }
 
 bool varies(const Sensor& sensor) {
-  return sensor.depth_sampling == DepthSampling::kArea &&
-         (std::holds_alternative<ElasticLayer>(sensor.skin.law) || std::holds_alternative<Pasternak>(sensor.skin.law) ||
-          hasFriction(sensor.skin) || foundationOf(sensor.skin).normal_exponent != 1);
+  return sensor.depth_sampling == DepthSampling::kArea && (std::holds_alternative<ElasticLayer>(sensor.skin.law) ||
+                                                           hasFriction(sensor.skin) || foundationOf(sensor.skin).normal_exponent != 1);
 }
 
 std::vector<double> meanPenetrations(const Sensor& sensor, std::span<const PlacedObject> objects) {

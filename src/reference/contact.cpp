@@ -22,7 +22,6 @@ struct Pressure {
   double operator()(const DeformationMask& law) const { return law.normal_contact_stiffness * d; }
   double operator()(const Proximity& law) const { return law.sensitivity * d; }
   double operator()(const ElasticLayer&) const { throw std::logic_error("elastic_layer has no pressure per sample"); }
-  double operator()(const Pasternak&) const { throw std::logic_error("pasternak has no pressure per sample"); }
   double operator()(const LuGre& law) const { return law.normal_contact_stiffness * d; }
 };
 

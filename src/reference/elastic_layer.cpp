@@ -253,8 +253,47 @@ double totalForce(const Layer& layer, std::span<const double> pressure) {
   return sum;
 }
 
-LayerContact searchDepth(std::span<const double> heights, double first_touch, double thickness, double load,
-                         const std::function<LayerContact(std::span<const double>)>& contactAt) {
+std::vector<double> layerHeights(const Sensor& sensor, const LayerNodes& nodes, std::span<const PlacedObject> objects) {
+  // A grid of one sample per taxel at the nodes.
+  const GridPatch grid{
+      .name = "", .num_rows = nodes.num_rows, .num_cols = nodes.num_cols, .pitch = nodes.spacing, .X_SP = sensor.patches.front().X_SP};
+  std::vector<double> heights;
+  appendHeights(grid, 1, objects, {}, heights);
+  return heights;
+}
+
+PressedSkin pressedNodes(const Sensor& sensor, std::span<const PlacedObject> objects, const LayerContact& contact) {
+  const LayerNodes nodes = layerNodes(sensor);
+  const std::vector<double>& pressure = contact.solution.pressure;
+  PressedSkin skin{layerSamples(sensor, nodes), std::vector<int>(pressure.size(), kNoContact), contact.overlap, pressure};
+  const LayerCells& cells = contact.cells;
+  for (std::size_t n = 0; n < cells.share.size(); ++n) {
+    skin.share.push_back(cells.share[n] > 0 ? cells.share[n] : 1);  // skin that bulges meets a surface above it
+    for (std::size_t axis = 0; axis < 2; ++axis) skin.points[n].position_P[axis] += cells.place[n][axis];
+  }
+  if (!hasFriction(sensor.skin) || objects.empty()) return skin;
+  const auto heightsUnder = [&](std::span<const PlacedObject> object) { return layerHeights(sensor, nodes, object); };
+  const std::vector<int> lowest = lowestObjects(objects, sensor.skin.thickness, heightsUnder);
+  for (std::size_t n = 0; n < pressure.size(); ++n) {
+    const int touching = !cells.edge.empty() && cells.edge[n] > 0 ? cells.touching[n] : lowest[n];
+    skin.touching[n] = pressure[n] > 0 ? touching : kNoContact;
+  }
+  return skin;
+}
+
+LayerContact layerContact(const Sensor& sensor, std::span<const PlacedObject> objects, const SkinStep& skin) {
+  const Layer layer = makeLayer(sensor);
+  const LayerCells cells = layerCells(sensor, layer.nodes, objects);
+  const std::vector<double> heights = heightsOfCells(cells, layerHeights(sensor, layer.nodes, objects));
+  return solveContact(sensor, layer, heights, residualDent(layer, skin), cells);
+}
+
+namespace {
+
+// Contact with the objects translated along z so that all nodes carry `load` (N). `heights`: (nodes), m. `first_touch` (m): depth of the
+// lowest node at which force begins. `contactAt` solves the contact for heights.
+template <typename ContactAt>
+LayerContact searchDepth(std::span<const double> heights, double first_touch, double thickness, double load, ContactAt contactAt) {
   const double lowest = *std::min_element(heights.begin(), heights.end());
   LayerContact contact;
   if (!std::isfinite(lowest)) {
@@ -298,43 +337,10 @@ LayerContact searchDepth(std::span<const double> heights, double first_touch, do
     }
     last_side = side;
   }
-  throw std::runtime_error("load search of a coupled law did not converge");
+  throw std::runtime_error("load search of an elastic layer did not converge");
 }
 
-std::vector<double> layerHeights(const Sensor& sensor, const LayerNodes& nodes, std::span<const PlacedObject> objects) {
-  // A grid of one sample per taxel at the nodes.
-  const GridPatch grid{
-      .name = "", .num_rows = nodes.num_rows, .num_cols = nodes.num_cols, .pitch = nodes.spacing, .X_SP = sensor.patches.front().X_SP};
-  std::vector<double> heights;
-  appendHeights(grid, 1, objects, {}, heights);
-  return heights;
-}
-
-PressedSkin pressedNodes(const Sensor& sensor, std::span<const PlacedObject> objects, const LayerContact& contact) {
-  const LayerNodes nodes = layerNodes(sensor);
-  const std::vector<double>& pressure = contact.solution.pressure;
-  PressedSkin skin{layerSamples(sensor, nodes), std::vector<int>(pressure.size(), kNoContact), contact.overlap, pressure};
-  const LayerCells& cells = contact.cells;
-  for (std::size_t n = 0; n < cells.share.size(); ++n) {
-    skin.share.push_back(cells.share[n] > 0 ? cells.share[n] : 1);  // skin that bulges meets a surface above it
-    for (std::size_t axis = 0; axis < 2; ++axis) skin.points[n].position_P[axis] += cells.place[n][axis];
-  }
-  if (!hasFriction(sensor.skin) || objects.empty()) return skin;
-  const auto heightsUnder = [&](std::span<const PlacedObject> object) { return layerHeights(sensor, nodes, object); };
-  const std::vector<int> lowest = lowestObjects(objects, sensor.skin.thickness, heightsUnder);
-  for (std::size_t n = 0; n < pressure.size(); ++n) {
-    const int touching = !cells.edge.empty() && cells.edge[n] > 0 ? cells.touching[n] : lowest[n];
-    skin.touching[n] = pressure[n] > 0 ? touching : kNoContact;
-  }
-  return skin;
-}
-
-LayerContact layerContact(const Sensor& sensor, std::span<const PlacedObject> objects, const SkinStep& skin) {
-  const Layer layer = makeLayer(sensor);
-  const LayerCells cells = layerCells(sensor, layer.nodes, objects);
-  const std::vector<double> heights = heightsOfCells(cells, layerHeights(sensor, layer.nodes, objects));
-  return solveContact(sensor, layer, heights, residualDent(layer, skin), cells);
-}
+}  // namespace
 
 LayerContact loadedLayerContact(const Sensor& sensor, std::span<const PlacedObject> objects, double load, const SkinStep& skin) {
   const Layer layer = makeLayer(sensor);

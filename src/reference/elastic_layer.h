@@ -19,7 +19,6 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <span>
 #include <vector>
 
@@ -72,14 +71,9 @@ struct LayerContact {
   double gain = 1;  // SkinStep::gain of a relaxing skin
 };
 
-// Sums of a coupled law over the nodes as samples: `sensor` has as many samples per taxel as nodes. Reads solution.pressure and overlap,
+// Sums over the nodes as samples: `sensor` has as many samples per taxel as nodes. Reads solution.pressure and overlap,
 // sets taxel_force, mean_penetration, wrench, total_force, off_array_load and over_penetration.
 void sumForces(const Sensor& sensor, const LayerNodes& nodes, LayerContact& contact);
-
-// Contact of a coupled law with the objects translated along z so that all nodes carry `load` (N). `heights`: (nodes), m. `first_touch`
-// (m): depth of the lowest node at which force begins. `contactAt` solves the contact for heights.
-LayerContact searchDepth(std::span<const double> heights, double first_touch, double thickness, double load,
-                         const std::function<LayerContact(std::span<const double>)>& contactAt);
 
 // Linearisation of the solution: rates of the pressures, (nodes), Pa, for rates of the overlap, (nodes), m, both per unit
 // of the same parameter. The active set is held fixed: A p' = d' on the nodes with pressure. Instantaneous, also for a relaxing skin.

@@ -1,14 +1,18 @@
 #include "reference/frame.h"
 
 #include "reference/area_depth.h"
-#include "reference/linked_foundation.h"
-#include "reference/pasternak.h"
 #include "reference/psf.h"
 
 namespace taxelsim::reference {
 namespace {
 
-void takeSolution(LayerContact solved, Frame& frame) {
+// Stages 1 and 2 for law ElasticLayer.
+void solveElasticLayer(const Sensor& sensor, const FrameInput& input, const SkinStep& skin, Frame& frame) {
+  LayerContact solved =
+      input.load ? loadedLayerContact(sensor, input.objects, *input.load, skin) : layerContact(sensor, input.objects, skin);
+  if (input.skin) input.skin->advance(input.dt, solved.strain, solved.dent_compliance);
+  const std::vector<PlacedObject> placed = movedAlongZ(input.objects, solved.offset);
+  frame.shear = contactShear(sensor, placed, pressedNodes(sensor, placed, solved), input.previous_friction, input.dt);
   frame.load.offset = solved.offset;
   frame.load.reached = solved.load_reached;
   frame.contact.taxel_force = solved.taxel_force;
@@ -20,38 +24,14 @@ void takeSolution(LayerContact solved, Frame& frame) {
   frame.layer = std::move(solved);
 }
 
-// Stages 1 and 2 for law ElasticLayer.
-void solveElasticLayer(const Sensor& sensor, const FrameInput& input, const SkinStep& skin, Frame& frame) {
-  LayerContact solved =
-      input.load ? loadedLayerContact(sensor, input.objects, *input.load, skin) : layerContact(sensor, input.objects, skin);
-  if (input.skin) input.skin->advance(input.dt, solved.strain, solved.dent_compliance);
-  const std::vector<PlacedObject> placed = movedAlongZ(input.objects, solved.offset);
-  frame.shear = contactShear(sensor, placed, pressedNodes(sensor, placed, solved), input.previous_friction, input.dt);
-  takeSolution(std::move(solved), frame);
-}
-
-// The same for law Pasternak, which has no shear.
-void solvePasternak(const Sensor& sensor, const FrameInput& input, Frame& frame) {
-  const bool is_linked = sensor.patches.size() > 1;
-  if (input.load) {
-    takeSolution((is_linked ? loadedLinkedContact : loadedFoundationContact)(sensor, input.objects, *input.load), frame);
-  } else {
-    takeSolution((is_linked ? linkedContact : foundationContact)(sensor, input.objects), frame);
-  }
-  frame.shear.taxel_force.assign(static_cast<std::size_t>(numTaxels(sensor)), {});
-}
-
 }  // namespace
 
 Frame simulateFrame(const Sensor& sensor, const FrameInput& input) {
   Frame frame;
   frame.load.reached = true;
   const SkinStep skin = input.skin ? input.skin->step(input.dt) : SkinStep{};
-  const bool is_foundation = std::holds_alternative<Pasternak>(sensor.skin.law);
-  const bool is_solved = is_foundation || std::holds_alternative<ElasticLayer>(sensor.skin.law);
-  if (is_foundation) {
-    solvePasternak(sensor, input, frame);
-  } else if (is_solved) {
+  const bool is_solved = std::holds_alternative<ElasticLayer>(sensor.skin.law);
+  if (is_solved) {
     solveElasticLayer(sensor, input, skin, frame);
   } else if (input.load) {
     frame.load = findLoad(sensor, input.objects, *input.load, skin);

@@ -65,22 +65,8 @@ void setCell(LayerCells& cells, std::size_t n, const CellDepth& cell, int number
   cells.touching[n] = number;
 }
 
-}  // namespace
-
-NodeCompliance nodeCompliance(const Sensor& sensor, const LayerNodes& nodes) {
-  const auto& law = std::get<ElasticLayer>(sensor.skin.law);
-  const double thickness = sensor.skin.thickness;
-  return {layerInfluence(law, thickness, nodes.spacing, 1, 1).front(), cellCompliance(law, thickness, nodes.spacing)};
-}
-
-std::vector<double> cellCompliances(const LayerCells& cells, const LayerNodes& nodes, const NodeCompliance& compliance) {
-  std::vector<double> more;
-  for (int u = 0; u < nodes.num_rows; ++u) {
-    for (int v = 0; v < nodes.num_cols; ++v) more.push_back(compliance.whole * (complianceOf(cells, nodes, compliance.of_parts, u, v) - 1));
-  }
-  return more;
-}
-
+// Cells of the samples of a sensor, under the objects after a translation by `offset` (m) along z of S, with the heights of their poses; by
+// exact clipping and rays, area_depth.h. Without compliances. Empty without area sampling.
 LayerCells sampleCells(const Sensor& sensor, std::span<const PlacedObject> objects, double offset) {
   LayerCells cells;
   if (sensor.depth_sampling != DepthSampling::kArea) return cells;
@@ -105,10 +91,25 @@ LayerCells sampleCells(const Sensor& sensor, std::span<const PlacedObject> objec
   return cells;
 }
 
+}  // namespace
+
+NodeCompliance nodeCompliance(const Sensor& sensor, const LayerNodes& nodes) {
+  const auto& law = std::get<ElasticLayer>(sensor.skin.law);
+  const double thickness = sensor.skin.thickness;
+  return {layerInfluence(law, thickness, nodes.spacing, 1, 1).front(), cellCompliance(law, thickness, nodes.spacing)};
+}
+
+std::vector<double> cellCompliances(const LayerCells& cells, const LayerNodes& nodes, const NodeCompliance& compliance) {
+  std::vector<double> more;
+  for (int u = 0; u < nodes.num_rows; ++u) {
+    for (int v = 0; v < nodes.num_cols; ++v) more.push_back(compliance.whole * (complianceOf(cells, nodes, compliance.of_parts, u, v) - 1));
+  }
+  return more;
+}
+
 LayerCells layerCells(const Sensor& sensor, const LayerNodes& nodes, std::span<const PlacedObject> objects, double offset) {
   LayerCells cells = sampleCells(sensorOfNodes(sensor, nodes), objects, offset);
-  if (std::holds_alternative<ElasticLayer>(sensor.skin.law) && !cells.covered.empty())
-    cells.compliance = cellCompliances(cells, nodes, nodeCompliance(sensor, nodes));
+  if (!cells.covered.empty()) cells.compliance = cellCompliances(cells, nodes, nodeCompliance(sensor, nodes));
   return cells;
 }
 

@@ -1,4 +1,4 @@
-// Cells of a coupled law's nodes with DepthSampling::kArea: what an edge of an object covers of them, and how soft that makes the nodes.
+// Cells of an elastic layer's nodes with DepthSampling::kArea: what an edge of an object covers of them, and how soft that makes the nodes.
 //
 //        object                    A smooth surface is met at the height in the middle of a cell, as with points: where it leaves the skin,
 //        |     |                   its depth varies over the cell from 0. An edge cuts a cell where the depth hardly varies over what is
@@ -26,14 +26,11 @@ struct LayerCells {
   std::vector<double> edge;                  // 0 to 1: how far an edge bounds what is covered
   std::vector<std::array<double, 2>> place;  // m, in P, from the node to the centroid
   std::vector<int> touching;                 // index of the object, or kNoContact
-  std::vector<double> compliance;            // m/Pa: what a node's own pressure moves it by more than that of a whole cell; of ElasticLayer
+  std::vector<double> compliance;            // m/Pa: what a node's own pressure moves it by more than that of a whole cell
 };
 
-// Cells of the samples of a sensor, under the objects after a translation by `offset` (m) along z of S, with the heights of their poses; by
-// exact clipping and rays, area_depth.h. Without compliances. Empty without area sampling.
-LayerCells sampleCells(const Sensor& sensor, std::span<const PlacedObject> objects, double offset = 0);
-
-// Those of the nodes of a grid, with compliances on an elastic layer.
+// Cells of the nodes under the objects after a translation by `offset` (m) along z of S, with the heights of their poses; by exact clipping
+// and rays, area_depth.h. Empty without area sampling.
 LayerCells layerCells(const Sensor& sensor, const LayerNodes& nodes, std::span<const PlacedObject> objects, double offset = 0);
 
 // The same at full depth, for a load search; the translation is along z of P.
@@ -46,7 +43,7 @@ struct NodeCompliance {
 };
 NodeCompliance nodeCompliance(const Sensor& sensor, const LayerNodes& nodes);
 
-// LayerCells::compliance from the other arrays; of the law ElasticLayer.
+// LayerCells::compliance from the other arrays.
 std::vector<double> cellCompliances(const LayerCells& cells, const LayerNodes& nodes, const NodeCompliance& compliance);
 
 // Heights that the nodes meet, from those in the middle of their cells: both (nodes), m.

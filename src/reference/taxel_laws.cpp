@@ -67,7 +67,6 @@ struct Respond {
   std::vector<double> operator()(const Proximity&) const { return {pressed.begin(), pressed.end()}; }
   std::vector<double> operator()(const ElasticLayer&) const { return {pressed.begin(), pressed.end()}; }
   std::vector<double> operator()(const LuGre&) const { return {pressed.begin(), pressed.end()}; }
-  std::vector<double> operator()(const Pasternak&) const { return {pressed.begin(), pressed.end()}; }
 
   // m x" + c x' + k x = F in terms of the spring force k x. Time is scaled by the undamped natural frequency, so that the entries of A are
   // of order one.

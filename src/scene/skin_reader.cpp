@@ -63,8 +63,8 @@ void checkLawKeys(const YamlMap& map, std::size_t chosen) {
 }
 
 ContactLaw readLaw(const YamlMap& map) {
-  const std::string name = map.choice(
-      "law", {"winkler", "mass_spring_damper", "deformation_mask", "proximity", "elastic_layer", "lugre", "pasternak"}, "winkler");
+  const std::string name =
+      map.choice("law", {"winkler", "mass_spring_damper", "deformation_mask", "proximity", "elastic_layer", "lugre"}, "winkler");
   const auto chosen = static_cast<std::size_t>(std::find(kLawNames.begin(), kLawNames.end(), name) - kLawNames.begin());
   checkLawKeys(map, chosen);
   ContactLaw result;
@@ -75,6 +75,12 @@ ContactLaw readLaw(const YamlMap& map) {
     result = law;
   });
   return result;
+}
+
+// Files of earlier versions may name the law, and have its keys.
+void refusePasternak(const YamlMap& sensor) {
+  const std::optional<YamlNode> skin = sensor.find("skin"), law = skin ? skin->child("law") : std::nullopt;
+  if (law && law->tree().text == "pasternak") law->refuse("removed; use elastic_layer, or winkler with depth_sampling: area");
 }
 
 Friction readFriction(const YamlMap& map) {
@@ -92,6 +98,7 @@ Friction readFriction(const YamlMap& map) {
 }  // namespace
 
 Skin readSkin(const YamlMap& sensor) {
+  refusePasternak(sensor);
   YamlMap::Keys keys;
   addKeys(kSkinFields, keys);
   for (const std::string_view key : {"law", "friction_coefficient", "tangential_stiffness", "relaxation"}) keys.push_back(key);

@@ -4,7 +4,6 @@
 
 #include "sensor/checks.h"
 #include "sensor/curve.h"
-#include "sensor/pasternak.h"
 #include "sensor/skin.h"
 
 namespace taxelsim {
@@ -37,7 +36,6 @@ double largestForce(const Sensor& sensor) {
   // The pressure on an incompressible layer is unbounded: the curve must rise until it saturates.
   constexpr double kAnyPressure = 1e18;
   if (std::holds_alternative<ElasticLayer>(sensor.skin.law)) return kAnyPressure * area * gain;
-  if (std::holds_alternative<Pasternak>(sensor.skin.law)) return largestPasternakPressure(sensor) * area * gain;
   const Winkler law = foundationOf(sensor.skin);
   return law.normal_contact_stiffness * std::pow(sensor.skin.thickness, law.normal_exponent) * area * gain;
 }

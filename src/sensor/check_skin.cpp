@@ -4,8 +4,6 @@
 #include <cmath>
 
 #include "sensor/checks.h"
-#include "sensor/foundation_links.h"
-#include "sensor/pasternak.h"
 
 namespace taxelsim {
 namespace {
@@ -32,7 +30,6 @@ void checkRelaxation(const Skin& skin) {
   }
   if (std::holds_alternative<Proximity>(skin.law))
     failField("skin.relaxation", found, "none for the law proximity, under which nothing presses");
-  if (std::holds_alternative<Pasternak>(skin.law)) failField("skin.relaxation", found, "none for the law pasternak");
   const double damping = foundationOf(skin).normal_damping;
   if (damping > 0)
     failField("skin.relaxation", found,
@@ -103,35 +100,6 @@ void checkLayer(const Sensor& sensor) {
     failField("samples_per_taxel",
               std::to_string(sensor.samples_per_taxel) + ", with the margin " + numberText(std::round(num_nodes)) + " nodes,",
               "at most " + std::to_string(kMaxLayerNodes) + " nodes of an elastic layer");
-  }
-}
-
-// Several patches are solved on a table of links.
-void checkLinkedFoundation(const Sensor& sensor) {
-  if (numTaxels(sensor) > kMaxLinkedTaxels) {
-    failField("patches", std::to_string(numTaxels(sensor)) + " taxels",
-              "at most " + std::to_string(kMaxLinkedTaxels) + " with the law pasternak on several patches");
-  }
-}
-
-// A two-parameter foundation is solved on nodes between the samples.
-void checkPasternak(const Sensor& sensor) {
-  const Pasternak* law = std::get_if<Pasternak>(&sensor.skin.law);
-  if (law == nullptr) return;
-  if (sensor.patches.size() > 1) checkLinkedFoundation(sensor);
-  if (sensor.skin.thickness > kMaxLayerThickness)
-    failField("skin.thickness", numberText(sensor.skin.thickness),
-              "at most " + numberText(kMaxLayerThickness) + " m with the law pasternak");
-  const int refinement = pasternakRefinement(sensor);
-  if (refinement > kMaxRefinement) {
-    failField("skin.shear_stiffness", "a decay length of " + numberText(decayLength(*law)) + " m",
-              std::string("at least ") + (sensor.depth_sampling == DepthSampling::kArea ? "9/64" : "3/16") +
-                  " of the spacing of samples; raise samples_per_taxel");
-  }
-  const double per_side = static_cast<double>(sensor.samples_per_taxel) * refinement, num_nodes = numTaxels(sensor) * per_side * per_side;
-  if (num_nodes > kMaxLayerNodes) {
-    failField("samples_per_taxel", std::to_string(sensor.samples_per_taxel) + ", " + numberText(num_nodes) + " nodes at the decay length,",
-              "at most " + std::to_string(kMaxLayerNodes) + " nodes of a two-parameter foundation");
   }
 }
 

@@ -56,13 +56,9 @@ void checkSensor(const Sensor& sensor) {
   checkFields("", kSensorFields, sensor);
   checkSkin(sensor.skin);
   checkLayer(sensor);
-  checkPasternak(sensor);
   checkDepthSampling(sensor);
-  const bool is_foundation = std::holds_alternative<Pasternak>(sensor.skin.law);
-  const bool on_one_grid = std::holds_alternative<ElasticLayer>(sensor.skin.law) || (is_foundation && sensor.patches.size() == 1);
-  if (sensor.psf.sigma > 0 && on_one_grid) {
-    failField("psf.sigma", numberText(sensor.psf.sigma),
-              "a kernel over the grid, or none, for the law " + std::string(kLawNames[sensor.skin.law.index()]));
+  if (sensor.psf.sigma > 0 && std::holds_alternative<ElasticLayer>(sensor.skin.law)) {
+    failField("psf.sigma", numberText(sensor.psf.sigma), "a kernel over the grid, or none, for the law elastic_layer");
   }
   checkPsf(sensor);
   checkReadout(sensor);

@@ -9,7 +9,6 @@ namespace taxelsim {
 
 void checkSkin(const Skin& skin);
 void checkLayer(const Sensor& sensor);
-void checkPasternak(const Sensor& sensor);
 void checkPsf(const Sensor& sensor);
 void checkReadout(const Sensor& sensor);
 

@@ -67,15 +67,10 @@ inline constexpr std::array kLuGreFields{
     Field<LuGre>{"coulomb_friction", &LuGre::coulomb_friction, Allowed::within(kMinLuGreFriction, kMaxFrictionCoefficient, "")},
     Field<LuGre>{"stribeck_velocity", &LuGre::stribeck_velocity, Allowed::above(0, "m/s")},
 };
-inline constexpr std::array kPasternakFields{
-    Field<Pasternak>{"normal_contact_stiffness", &Pasternak::normal_contact_stiffness, Allowed::above(0, "N/m^3"), kRequired},
-    Field<Pasternak>{"shear_stiffness", &Pasternak::shear_stiffness, Allowed::above(0, "N/m"), kRequired},
-    Field<Pasternak>{"iterations", &Pasternak::iterations, Allowed::within(0, kMaxLayerIterations, "")},
-};
 
 // Names of the laws in files, in the order of ContactLaw.
 inline constexpr std::array<std::string_view, std::variant_size_v<ContactLaw>> kLawNames{
-    "winkler", "mass_spring_damper", "deformation_mask", "proximity", "elastic_layer", "lugre", "pasternak"};
+    "winkler", "mass_spring_damper", "deformation_mask", "proximity", "elastic_layer", "lugre"};
 
 // Calls visit(table) for every table of a law's fields, in file order.
 template <typename Visit>
@@ -101,10 +96,6 @@ void visitFields(const ElasticLayer&, Visit visit) {
 template <typename Visit>
 void visitFields(const LuGre&, Visit visit) {
   visit(kLuGreFields);
-}
-template <typename Visit>
-void visitFields(const Pasternak&, Visit visit) {
-  visit(kPasternakFields);
 }
 
 inline constexpr std::array kOutputFields{

@@ -21,7 +21,6 @@ struct Foundation {
     return {.normal_contact_stiffness = planeModulus(law.elastic_modulus, law.poisson_ratio) / thickness};
   }
   Winkler operator()(const LuGre& law) const { return {.normal_contact_stiffness = law.normal_contact_stiffness}; }
-  Winkler operator()(const Pasternak& law) const { return {.normal_contact_stiffness = law.normal_contact_stiffness}; }
 };
 
 }  // namespace

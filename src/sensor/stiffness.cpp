@@ -9,7 +9,6 @@
 #include "sensor/elastic_layer.h"
 #include "sensor/fields.h"
 #include "sensor/flat_punch.h"
-#include "sensor/pasternak.h"
 
 namespace taxelsim {
 namespace {
@@ -46,18 +45,12 @@ double bondedPinStiffness(const Material& material, double thickness, double dia
          punchFactor(diameter / 2 / thickness, material.poisson_ratio);
 }
 
-// One overload per alternative of SkinData::stiffness. They set elastic_modulus, area_stiffness and, by a pin, foundation_stiffness.
+// One overload per alternative of SkinData::stiffness. They set elastic_modulus and area_stiffness.
 struct StiffnessSolver {
   const SkinData& data;
   SkinStiffness& result;
 
   double& modulus() const { return result.material.elastic_modulus; }
-  // Sets the stiffness of the foundation by that of a pin, N/m.
-  void matchFoundation(double pin_stiffness, double diameter) const {
-    const double decay = foundationDecay(data.poisson_ratio, data.thickness);
-    result.foundation_stiffness =
-        pin_stiffness / pasternakPunchStiffness({.normal_contact_stiffness = 1, .shear_stiffness = decay * decay}, diameter / 2);
-  }
 
   void operator()(const KnownModulus& known) const {
     checkNumber("elastic_modulus", known.elastic_modulus, Allowed::above(0, "Pa"));
@@ -66,9 +59,7 @@ struct StiffnessSolver {
     if (!known.match_pin_diameter) return;
     const double diameter = *known.match_pin_diameter;
     checkDiameter("match_pin_diameter", diameter, data.thickness);
-    const double pin_stiffness = bondedPinStiffness(result.material, data.thickness, diameter);
-    result.area_stiffness = pin_stiffness / discArea(diameter);
-    matchFoundation(pin_stiffness, diameter);
+    result.area_stiffness = bondedPinStiffness(result.material, data.thickness, diameter) / discArea(diameter);
   }
   void operator()(const PinPress& press) const {
     checkNumber("pin_force", press.pin_force, Allowed::above(0, "N"));
@@ -77,7 +68,6 @@ struct StiffnessSolver {
     const double pin_stiffness = press.pin_force / press.pin_depth;
     result.area_stiffness = pin_stiffness / discArea(press.pin_diameter);
     modulus() = pin_stiffness / bondedPinStiffness({1, data.poisson_ratio}, data.thickness, press.pin_diameter);
-    matchFoundation(pin_stiffness, press.pin_diameter);
   }
   void operator()(const TaxelStiffness& taxel) const {
     checkNumber("taxel_stiffness", taxel.taxel_stiffness, Allowed::above(0, "N/m"));
@@ -100,10 +90,6 @@ struct LawSetter {
   void operator()(DeformationMask& law) const { law.normal_contact_stiffness = stiffness.area_stiffness; }
   void operator()(Proximity& law) const { law.sensitivity = stiffness.area_stiffness; }
   void operator()(LuGre& law) const { law.normal_contact_stiffness = stiffness.area_stiffness; }
-  void operator()(Pasternak& law) const {
-    law.normal_contact_stiffness = stiffness.foundation_stiffness;
-    law.shear_stiffness = stiffness.shear_stiffness;
-  }
   void operator()(ElasticLayer& law) const {
     law.elastic_modulus = stiffness.material.elastic_modulus;
     law.poisson_ratio = stiffness.material.poisson_ratio;
@@ -130,10 +116,6 @@ PinLaw pinLaw(const Skin& skin, double diameter) {
     checkDiameter("pin_diameter", diameter, skin.thickness);
     return {bondedPinStiffness({layer->elastic_modulus, layer->poisson_ratio}, skin.thickness, diameter)};
   }
-  if (const auto* law = std::get_if<Pasternak>(&skin.law)) {
-    checkFields("skin.", kPasternakFields, *law);
-    return {pasternakPunchStiffness(*law, diameter / 2)};
-  }
   const Winkler foundation = foundationOf(skin);
   checkFields("skin.", kWinklerFields, foundation);
   return {foundation.normal_contact_stiffness * discArea(diameter), foundation.normal_exponent};
@@ -156,12 +138,6 @@ double confinedModulus(const Material& material) {
   return material.elastic_modulus * confinedFactor(material.poisson_ratio);
 }
 
-double foundationDecay(double poisson_ratio, double thickness) {
-  checkNumber("poisson_ratio", poisson_ratio, kPoissonRatio);
-  checkNumber("thickness", thickness, Allowed::above(0, "m"));
-  return thickness * std::sqrt((1 - 2 * poisson_ratio) / (6 * (1 - poisson_ratio)));
-}
-
 double layerPinStiffness(const Material& material, double thickness, double pin_diameter) {
   checkMaterial(material);
   checkNumber("thickness", thickness, Allowed::above(0, "m"));
@@ -174,14 +150,9 @@ SkinStiffness skinStiffness(const SkinData& data) {
   checkNumber("poisson_ratio", data.poisson_ratio, kPoissonRatio);
   SkinStiffness result{.thickness = data.thickness, .material = {.poisson_ratio = data.poisson_ratio}};
   std::visit(StiffnessSolver{data, result}, data.stiffness);
-  if (result.foundation_stiffness == 0) result.foundation_stiffness = result.area_stiffness;
-  const double decay = foundationDecay(data.poisson_ratio, data.thickness);
-  result.shear_stiffness = result.foundation_stiffness * decay * decay;
   // Extreme numbers overflow or underflow.
   checkNumber("the elastic modulus that follows", result.material.elastic_modulus, Allowed::above(0, "Pa"));
   checkNumber("the area stiffness that follows", result.area_stiffness, Allowed::above(0, "N/m^3"));
-  checkNumber("the stiffness of the foundation that follows", result.foundation_stiffness, Allowed::above(0, "N/m^3"));
-  checkNumber("the shear stiffness that follows", result.shear_stiffness, Allowed::above(0, "N/m"));
   result.tangential_stiffness = shearModulus(result.material) / data.thickness;
   checkNumber("the tangential stiffness that follows", result.tangential_stiffness,
               Allowed::aboveUpTo(0, kMaxTangentialStiffness, "N/m^3"));

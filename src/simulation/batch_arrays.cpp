@@ -82,20 +82,6 @@ std::uint64_t layerPairs(Shape s) {
   return (layout::kNumLayerArrays + relaxationStates(s) + compliances) * padded_nodes / 2;
 }
 
-// Pairs of words of all arrays over blocks of nodes, or over linked nodes and their blocks.
-std::uint64_t foundationPairs(Shape s) {
-  if (!s.hasLayer() || !s.model.isPasternak()) return 0;
-  if (s.model.isLinked()) {
-    const std::uint64_t pairs_of_links = s.model.area() ? s.model.linked->num_fours : 0;
-    return (2 + pairs_of_links) * nodes(s) + 3 * s.model.linked->blocks.size();
-  }
-  constexpr std::uint64_t kRows = PasternakInterface::kBlockRows, kCols = PasternakInterface::kBlockCols;
-  const std::uint64_t num_arrays = s.model.area() ? 4 : 3;
-  const LayerNodes& nodes = s.model.layer->nodes;
-  const auto blocksOf = [](int count, std::uint64_t size) { return (static_cast<std::uint64_t>(count) + size - 1) / size; };
-  return num_arrays * blocksOf(nodes.num_rows, kRows) * blocksOf(nodes.num_cols, kCols) * kRows * kCols / 2;
-}
-
 std::uint64_t numContactFeatures(Shape s) {
   return 1 + std::uint64_t{layout::kNumContactFeatures} * numContactRows(s.model.packed_contact, s.options.max_regions);
 }
@@ -175,7 +161,6 @@ constexpr BatchArray kArrays[] = {
                                [](Shape s) { return countIf(s.hasLayer() && s.model.area(), layout::kNodeCellWords * nodes(s)); }),
     internal<block::Windows>("windows", [](Shape s) { return countIf(s.hasLayer(), s.model.contact_packed.tiles.size()); }),
     internal<block::Layer>("layer", layerPairs),
-    internal<block::Foundation>("foundation", foundationPairs),
 
     internal<block::AxisPlays>("hysteresis of axes", [](Shape s) { return countIf(s.options.outputs.taxel_counts, 3 * taxels(s)); }),
     internal<block::Forces>("forces", [](Shape s) { return countIf(s.outputsContactFeatures(), paddedTaxels(s)); }),

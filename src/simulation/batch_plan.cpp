@@ -55,7 +55,7 @@ void checkRegions(const SimulatorOptions& options) {
   if (options.max_regions > 0 && !with_features) refuse("0 without outputs.contact_features or outputs.clean_contact_features");
 }
 
-void checkJacobian(const ModelData& model, const SimulatorOptions& options) {
+void checkJacobian(const SimulatorOptions& options) {
   const auto* const wanted = derivativeIn(options.outputs);
   if (wanted == kOutputs.end()) return;
   const auto refuse = [&](const char* why) {
@@ -63,7 +63,6 @@ void checkJacobian(const ModelData& model, const SimulatorOptions& options) {
   };
   if (options.max_contacts > 0) refuse("where max_contacts > 0: contacts do not determine how forces change with a motion");
   if (options.vary_skin) refuse("where vary_skin is true: it has no factors per instance");
-  if (model.isPasternak()) refuse("with the law pasternak, which has no Jacobian");
 }
 
 void checkTaxelCounts(const ModelData& model, const SimulatorOptions& options) {
@@ -124,7 +123,7 @@ void checkBatchFits(const ModelData& model, const BatchOptions& options) {
   }
   checkSource(model, options);
   checkRegions(options);
-  checkJacobian(model, options);
+  checkJacobian(options);
   checkTaxelCounts(model, options);
   const MemoryPlan plan = planBatch(model, options);
   if (static_cast<std::uint64_t>(options.num_instances) <= plan.max_instances) return;

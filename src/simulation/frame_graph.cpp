@@ -9,7 +9,7 @@ using Candidates = FrameKind::Candidates;
 
 // Sensors that are not one tile facing along z of S search for loads with a pass of their own.
 bool searchesOverTiles(const ModelData& data, const FrameKind& kind) {
-  return kind.loads && (!data.layer || data.isLinked()) && !data.packed.searches_in_tile;
+  return kind.loads && !data.layer && !data.packed.searches_in_tile;
 }
 
 // The contact pass from poses. In a large batch of a model of several kinds of objects it is a dispatch for each kind, compiled for what
@@ -28,24 +28,13 @@ void recordContact(const Model::Impl& model, const BatchShape& shape, Recorder& 
   }
 }
 
-// The second run of the contact pass, for a coupled law with area sampling.
-ContactPass::Variant ofCells(ContactPass::Variant variant) {
-  variant.list = layout::kNumLists;
-  variant.cells = true;
-  return variant;
-}
-
 // Evaluates the contact pass at the offsets of the search until it has ended.
-void recordSearchOverTiles(const Model::Impl& model, const BatchShape& shape, Recorder& recorder, ContactPass::Variant variant) {
+void recordSearchOverTiles(const Model::Impl& model, Recorder& recorder, ContactPass::Variant variant) {
   const bool with_jacobian = variant.with_jacobian;
   variant.search = ContactInterface::kSearchOverTiles;
   variant.with_jacobian = false;
   for (std::uint32_t evaluation = 0; evaluation < LoadSearchPass::kNumFrameEvaluations; ++evaluation) {
     model.contact.record(recorder, variant);
-    if (model.linked_foundation) {
-      if (model.data.area()) model.contact.record(recorder, ofCells(variant));
-      model.linked_foundation->record(recorder, {.loads = true, .with_depth = shape.options.outputs.penetration_depth});
-    }
     model.load_search.record(recorder);
   }
   // What the search leaves alone: the state of the samples and the Jacobian.
@@ -53,20 +42,6 @@ void recordSearchOverTiles(const Model::Impl& model, const BatchShape& shape, Re
     variant.search = ContactInterface::kSearchEnded;
     variant.with_jacobian = with_jacobian;
     model.contact.record(recorder, variant);
-  }
-}
-
-// A two-parameter foundation. With area sampling the cells under a load are at first those at full depth, then in each round those at the
-// depth that the round before has found. `variant`: of the contact pass that writes the cells.
-void recordFoundation(const Model::Impl& model, const BatchShape& shape, Recorder& recorder, ContactPass::Variant variant) {
-  constexpr int kRounds = 4;  // error of the force under tilted objects: 59 % with one round, 2.4 % with two, 0.5 % with four
-  const bool loads = variant.search == ContactInterface::kSearchInTile;
-  const PasternakPass::Variant foundation{.loads = loads, .with_depth = shape.options.outputs.penetration_depth};
-  model.pasternak->record(recorder, foundation);
-  variant.search = ContactInterface::kSearchEnded;
-  for (int round = 1; loads && model.data.area() && round < kRounds; ++round) {
-    model.contact.record(recorder, variant);
-    model.pasternak->record(recorder, foundation);
   }
 }
 
@@ -91,17 +66,16 @@ void recordObjects(const Model::Impl& model, const BatchShape& shape, Recorder& 
   const bool uses_lists = shape.keeps_candidates && !kind.loads && kind.candidates != Candidates::kLeft;
   variant.list = uses_lists ? layout::kListWholeMesh : layout::kNumLists;
   if (searchesOverTiles(model.data, kind)) {
-    recordSearchOverTiles(model, shape, recorder, variant);
+    recordSearchOverTiles(model, recorder, variant);
   } else {
     recordContact(model, shape, recorder, variant);
-    if (coupled && model.data.area()) {
-      variant = ofCells(variant);
+  }
+  if (model.elastic_layer) {
+    if (model.data.area()) {  // the second run of the contact pass
+      variant.list = layout::kNumLists;
+      variant.cells = true;
       model.contact.record(recorder, variant);
     }
-    if (model.linked_foundation) model.linked_foundation->record(recorder, {.with_depth = shape.options.outputs.penetration_depth});
-  }
-  if (model.pasternak) recordFoundation(model, shape, recorder, variant);
-  if (model.elastic_layer) {
     model.elastic_layer->record(recorder, {.loads = kind.loads,
                                            .keeps_slots = variant.keeps_slots,
                                            .with_depth = shape.options.outputs.penetration_depth,

@@ -97,7 +97,7 @@ FrameView viewOf(const ModelData& model, const BatchOptions& options, const Batc
   blocks.fill(imageFeatures(), truth, layout::kNumImageFeatures);
   blocks.fill(readoutFeatures(), frame);
   blocks.fill(truthFeatures(), truth);
-  const bool is_solved = model.layer && !model.isPasternak() && options.max_contacts == 0;
+  const bool is_solved = model.layer && options.max_contacts == 0;
   if (!is_solved) {
     truth.contact_residual = {};
     truth.contact_iterations = {};

@@ -19,13 +19,7 @@ Model::Impl::Impl(const Device& device, const ModelOptions& options, const Tunin
       tactile_jacobian(data, options),
       servo(data) {
   if (data.hasMask()) deformation_mask.emplace(data, options);
-  if (data.isLinked()) {
-    linked_foundation.emplace(data, options);
-  } else if (data.isPasternak()) {
-    pasternak.emplace(data, options);
-  } else if (data.layer) {
-    elastic_layer.emplace(data, options);
-  }
+  if (data.layer) elastic_layer.emplace(data, options);
 }
 
 Model::Model(const Device& device, const ModelOptions& options) : impl_(std::make_shared<Impl>(device, options, Tuning{})) {

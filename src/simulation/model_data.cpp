@@ -88,13 +88,7 @@ void uploadSensor(const ModelData& model, ModelBuffers& buffers) {
   buffers.upload<block::Triggers>("triggers", triggers);
   buffers.upload<block::FeatureSource>("feature source", {0});
   buffers.upload<block::CleanFeatureSource>("feature source of clean forces", {1});
-  if (model.linked) {
-    buffers.upload<block::FoundationNodes>("nodes of the foundation", model.linked->nodes);
-    buffers.upload<block::FoundationLinks>("links of the foundation", model.linked->links);
-    buffers.upload<block::FoundationBlocks>("blocks of the foundation", model.linked->blocks);
-    buffers.upload<block::NearBlocks>("blocks near each other", model.linked->near);
-  }
-  if (model.layer && !model.isPasternak()) buffers.upload<block::Influence>("influence", model.layer->influence);
+  if (model.layer) buffers.upload<block::Influence>("influence", model.layer->influence);
 }
 
 }  // namespace
@@ -128,14 +122,10 @@ ModelData::ModelData(const Device& opened, const ModelOptions& options)
   }
   const std::uint32_t tile_samples = maxTileSamples(device.info(), area(), variation());
   if (std::holds_alternative<ElasticLayer>(sensor.skin.law)) layer = packLayer(sensor);
-  if (isPasternak()) layer = packFoundation(sensor);
   // An elastic layer is cut into tiles only where its heights are found.
   packed = packSensor(sensor, layer ? std::numeric_limits<std::uint32_t>::max() : tile_samples);
   contact_sensor = layer ? layer->node_sensor : sensor;
   contact_packed = layer ? packSensor(contact_sensor, tile_samples) : packed;
-  if (isPasternak() && sensor.patches.size() > 1) linked = packLinks(sensor, contact_packed);
-  // Patches of nodes see as deep as those of taxels.
-  for (std::size_t p = 0; linked && p < sensor.patches.size(); ++p) contact_packed.patches[p].spacing.w = packed.patches[p].spacing.w;
   law = packLaw(sensor.skin, layer ? layer->reach : 0);
   packed_contact = packContactFeatures(sensor);
   num_taxels = static_cast<std::uint32_t>(numTaxels(sensor));

@@ -13,7 +13,6 @@
 #include "simulation/pack/pack_contact_features.h"
 #include "simulation/pack/pack_law.h"
 #include "simulation/pack/pack_layer.h"
-#include "simulation/pack/pack_links.h"
 #include "simulation/pack/pack_objects.h"
 #include "simulation/pack/pack_sensor.h"
 #include "simulation/passes/blocks.h"
@@ -65,13 +64,8 @@ struct ModelData {
   // Words that a sample of the contact pass keeps between steps, shaders/skin/sample_states.glsl.
   std::uint32_t numSampleStates() const;
   // Whether cells of area sampling know how the depth varies within them, cell_points.glsl.
-  bool variation() const {
-    return area() && (isElasticLayer() || isPasternak() || hasFriction() || foundationOf(sensor.skin).normal_exponent != 1);
-  }
+  bool variation() const { return area() && (isElasticLayer() || hasFriction() || foundationOf(sensor.skin).normal_exponent != 1); }
   bool isElasticLayer() const { return std::holds_alternative<ElasticLayer>(sensor.skin.law); }
-  bool isPasternak() const { return std::holds_alternative<Pasternak>(sensor.skin.law); }
-  // Whether a two-parameter foundation is solved on a table of links: on several patches.
-  bool isLinked() const { return linked.has_value(); }
   bool hasMask() const { return std::holds_alternative<DeformationMask>(sensor.skin.law); }
   // Sources of a taxel in the mask.
   std::uint32_t numMaskSources() const { return static_cast<std::uint32_t>(mask.size() / num_taxels); }
@@ -82,8 +76,7 @@ struct ModelData {
   std::vector<Object> objects;
   std::vector<Bounds> bounds;  // of the objects, in O; infinite ones cut at 1 m
   std::vector<layout::ObjectRecord> object_records;
-  std::optional<PackedLayer> layer;   // for globally coupled laws
-  std::optional<PackedLinks> linked;  // for a two-parameter foundation on several patches
+  std::optional<PackedLayer> layer;  // of an elastic layer
   PackedSensor packed;
   // What the contact pass works on: the sensor, or the solver nodes of its layer as taxels.
   Sensor contact_sensor;

@@ -11,9 +11,7 @@
 #include "simulation/passes/deformation_mask.h"
 #include "simulation/passes/elastic_layer.h"
 #include "simulation/passes/image.h"
-#include "simulation/passes/linked_foundation.h"
 #include "simulation/passes/load_search.h"
-#include "simulation/passes/pasternak.h"
 #include "simulation/passes/servo.h"
 #include "simulation/passes/tactile_jacobian.h"
 #include "simulation/passes/taxel_laws.h"
@@ -32,10 +30,7 @@ struct Model::Impl {
   ModelData data;
   ContactPass contact;
   CandidatePasses candidates;
-  // Of the globally coupled laws.
   std::optional<ElasticLayerPass> elastic_layer;
-  std::optional<PasternakPass> pasternak;
-  std::optional<LinkedFoundationPass> linked_foundation;
   TaxelLawPasses taxel_laws;
   std::optional<DeformationMaskPass> deformation_mask;  // of this law
   ImagePass image;

@@ -257,7 +257,7 @@ void Simulator::setLoad(int instance, float load) {
   }
   if (load < 0 || std::isinf(load))
     refuseCall("load of instance " + std::to_string(instance) + ": " + std::to_string(load) + " is not allowed: N, >= 0");
-  if (impl_->data().layer && !impl_->data().isLinked() && !std::isnan(load) && !impl_->data().packed.searches_in_tile) {
+  if (impl_->data().layer && !std::isnan(load) && !impl_->data().packed.searches_in_tile) {
     refuseCall("load of instance " + std::to_string(instance) + ": " + std::to_string(load) +
                " is not allowed: none, where a skin with a globally coupled law does not face along z of the sensor frame");
   }

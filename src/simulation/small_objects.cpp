@@ -11,8 +11,6 @@
 
 #include "base/log.h"
 #include "base/text.h"
-#include "sensor/fields.h"
-#include "sensor/pasternak.h"
 
 namespace taxelsim {
 namespace {
@@ -22,8 +20,6 @@ constexpr double kFewSamples = 2, kEnoughSamples = 4;
 // The same for an object longer than the array, which crosses it: even where it lies along a row of samples, one row touches it. Elsewhere
 // many samples along its length do.
 constexpr double kFewSamplesAcross = 1;
-// Nodes across an object below which their cells may miss it with area sampling: the outline is then within one cell.
-constexpr double kFewCells = 1.5;
 
 // The extents of the object along its axes, m, the smallest first.
 std::array<double, 3> extentsOf(const Object& object) {
@@ -63,26 +59,20 @@ double arrayLength(const Sensor& sensor) {
 }  // namespace
 
 void warnOfSmallObjects(const Sensor& sensor, std::span<const Object> objects) {
-  const bool is_foundation = std::holds_alternative<Pasternak>(sensor.skin.law), is_area = sensor.depth_sampling == DepthSampling::kArea;
-  if (is_area && !is_foundation) return;
-  const int parts = is_foundation ? pasternakRefinement(sensor) : 1;
-  const double pitch = coarsestPitch(sensor), spacing = pitch / (sensor.samples_per_taxel * parts), length = arrayLength(sensor);
+  if (sensor.depth_sampling == DepthSampling::kArea) return;
+  const double pitch = coarsestPitch(sensor), spacing = pitch / sensor.samples_per_taxel, length = arrayLength(sensor);
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const std::array<double, 3> extents = extentsOf(objects[i]);
-    const double few = is_area ? kFewCells : extents[2] > length ? kFewSamplesAcross : kFewSamples;
+    const double few = extents[2] > length ? kFewSamplesAcross : kFewSamples;
     const double width = extents[0], least_width = few * spacing;
     const bool is_plate = extents[1] >= least_width;
     if (!(width < least_width)) continue;
     const double count = std::ceil(kEnoughSamples * pitch / width);
     const std::string name = objects[i].name.empty() ? std::to_string(i) : oneLine(objects[i].name);
-    std::string line = "object " + name + " is " + millimetres(width) + " wide, " + (is_foundation ? "nodes" : "samples") + " are " +
-                       millimetres(spacing) + " apart: " + (is_plate ? "where it touches with an edge, " : "") +
-                       "its force depends on where it lies between them; ";
-    if (!is_foundation) line += "depth_sampling: area counts all of it";
-    if (!is_foundation && count <= kMaxSamplesPerTaxel) line += ", ";
-    if (count <= kMaxSamplesPerTaxel) line += "samples_per_taxel: " + std::to_string(static_cast<int>(count)) + " sees it";
-    if (is_foundation && count > kMaxSamplesPerTaxel)
-      line += std::string(kLawNames[sensor.skin.law.index()]) + " cannot see it, other laws can with depth_sampling: area";
+    std::string line = "object " + name + " is " + millimetres(width) + " wide, samples are " + millimetres(spacing) +
+                       " apart: " + (is_plate ? "where it touches with an edge, " : "") +
+                       "its force depends on where it lies between them; depth_sampling: area counts all of it";
+    if (count <= kMaxSamplesPerTaxel) line += ", samples_per_taxel: " + std::to_string(static_cast<int>(count)) + " sees it";
     logWarning(line);
   }
 }

@@ -86,7 +86,7 @@ void Simulator::Impl::step(double dt, const Selection& selection) {
   const std::size_t num_near = packPoses();
   if (!takesContacts()) step_record.batch.y = static_cast<std::uint32_t>(num_near);
   const bool any_load = startFrames(dt, selection, num_near);
-  if (any_load && (!data().layer || data().isLinked()) && !data().packed.searches_in_tile) {
+  if (any_load && !data().layer && !data().packed.searches_in_tile) {
     startLoadSearch(data(), flags, buffers.input<block::Poses>().first(clocks.size() * num_near), buffers.input<block::Loads>());
     traffic.bytes_to_device += numSelected(selection) * sizeof(layout::LoadRecord);
   }

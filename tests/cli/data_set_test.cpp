@@ -105,6 +105,26 @@ TEST_F(DataSet, Format1IsInspectedRenderedAndCompared) {
   EXPECT_EQ(compared.status, 0) << compared.err;
 }
 
+// Of the contact law pasternak, which was removed. data/pasternak was written by version 0.3.0 from data/pasternak_scene.yaml.
+TEST_F(DataSet, OfARemovedLawIsInspectedRenderedAndComparedButNotContinued) {
+  const std::string old = TAXELSIM_SOURCE_DIR "/tests/dataset/data/pasternak", scene = old + "_scene.yaml";
+  const Outcome outcome = runTaxelsim({"inspect", old});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  for (const char* part : {"1 of 1 complete", "data/tactile_image", "6 x 14"})
+    EXPECT_NE(outcome.out.find(part), std::string::npos) << part << " in\n" << outcome.out;
+  EXPECT_EQ(runTaxelsim({"render", old, "-o", at("a.png")}).status, 0);
+  EXPECT_GT(content(at("a.png")).size(), kBlankPicture);
+  const Outcome compared = runTaxelsim({"compare", old, old});
+  EXPECT_EQ(compared.status, 0) << compared.err;
+  std::filesystem::copy(old, at("d"));
+  const std::string refusal = scene +
+                              ":13:10: sensor.skin.law: pasternak is not allowed: removed; use elastic_layer, or winkler with "
+                              "depth_sampling: area";
+  expectRefused(runTaxelsim({"generate", scene, "-o", at("d")}), refusal);
+  expectRefused(runTaxelsim({"evaluate", scene}), refusal);
+  EXPECT_EQ(runTaxelsim({"inspect", at("d")}).status, 0);
+}
+
 TEST_F(DataSet, InspectListsMissingShards) {
   writePressedPad(at("d"));
   std::filesystem::remove(at("d/shard-000001.h5"));

@@ -96,7 +96,7 @@ TEST(StiffnessCommand, PinOfThePaper) {
   EXPECT_NEAR(json["pins"][0]["elastic_layer_pin_force"].get<double>(), 2, 1e-9);
   EXPECT_NEAR(json["pins"][1]["springs_pin_force"].get<double>(), 8, 1e-9);
   EXPECT_NEAR(json["hexagon"]["springs_depth"].get<double>(), 15.5e-6, 0.05e-6);
-  ASSERT_EQ(json["skins"].size(), 7u);
+  ASSERT_EQ(json["skins"].size(), 6u);
   EXPECT_EQ(json["skins"][0]["law"], "winkler");
   EXPECT_EQ(json["skins"][0]["normal_contact_stiffness"], json["area_stiffness"]);
   EXPECT_EQ(json["skins"][3]["sensitivity"], json["area_stiffness"]);

@@ -7,7 +7,6 @@
 
 #include "base/vector3.h"
 #include "reference/elastic_layer.h"
-#include "reference/pasternak.h"
 #include "reference/taxel_laws.h"
 #include "simulation/layer_scene.h"
 #include "support/random_scene.h"
@@ -22,8 +21,6 @@ constexpr double kTorusReach = 0.03;  // m: likewise kTorusMarginZ
 constexpr double kMassStep = 16 * kUlp;
 // The published weights of the mask, and those of the device, have five digits.
 constexpr double kMaskWeights = 2e-5;
-// Sums of squares in a solution of some thousand nodes of a two-parameter foundation.
-constexpr double kFoundationRounding = 2e-4;
 
 struct LawCheck {
   const ContactSet& set;
@@ -94,12 +91,10 @@ double checkSprings(const LawCheck& check, std::size_t i) {
 void checkLayer(const LawCheck& check, std::size_t i) {
   const Sensor& sensor = check.set.sensor;
   const auto placed = check.set.touches[i].placed(check.set.objects);
-  const bool is_foundation = std::holds_alternative<Pasternak>(sensor.skin.law);
-  const reference::LayerContact twin =
-      is_foundation ? reference::foundationContact(sensor, placed) : reference::layerContact(sensor, placed);
+  const reference::LayerContact twin = reference::layerContact(sensor, placed);
   const double margin_z = kMarginZ * std::max(1.0, reachOf(sensor, placed) / kSmallReach);
   const double deepest = *std::max_element(twin.overlap.begin(), twin.overlap.end());
-  const double solution = is_foundation ? kFoundationRounding : 40 * kTightTolerance;  // see forceSlack() of layer_scene.h
+  const double solution = 40 * kTightTolerance;  // see forceSlack() of layer_scene.h
   const double force = twin.total_force + twin.off_array_load;
   const double slack = deepest > margin_z ? std::min(1.0, solution + 2 * margin_z / deepest) * force + kAbsoluteForce
                                           : force + foundationOf(sensor.skin).normal_contact_stiffness * margin_z * 1e-4 + kAbsoluteForce;
@@ -172,7 +167,7 @@ std::vector<ContactResult> checkContacts(const ContactSet& set) {
       }
     });
   }
-  const bool is_layer = std::holds_alternative<ElasticLayer>(set.sensor.skin.law) || std::holds_alternative<Pasternak>(set.sensor.skin.law);
+  const bool is_layer = std::holds_alternative<ElasticLayer>(set.sensor.skin.law);
   stepAll(set, [&](const FrameView& frame) {
     const LawCheck with_frame{set, frame, check.pressed};
     results = resultsOf(set, frame, [&](std::size_t i) {

@@ -39,7 +39,7 @@ SOLIDS = (
 )
 OBJECTS = (*SOLIDS, *(str(MESHES / name) for name in ("hex_prism.obj", "cross.obj", "knob_5k.obj", "edge_bar.obj")))
 SPRINGS = ("winkler", "winkler", "winkler", "mass_spring_damper", "deformation_mask", "proximity", "lugre")
-LAWS = (*SPRINGS, *SPRINGS, "elastic_layer", "pasternak")
+LAWS = (*SPRINGS, "elastic_layer")
 NUM_STEPS = 7
 STEP = 0.01  # s
 
@@ -99,8 +99,6 @@ def random_skin(draws: Draws) -> dict[str, Any]:
         skin |= {"margin_mm": draws.one(0, 4), "iterations": draws.one(5, 20)}
     else:
         skin["normal_contact_stiffness"] = 1.5e8
-    if law == "pasternak":
-        skin["shear_stiffness"] = 200
     if law in ("winkler", "elastic_layer") and draws.happens(0.25):
         skin["relaxation"] = [{"fraction": 0.3, "time": 0.05}, {"fraction": 0.2, "time": 0.5}][: draws.one(1, 2)]
     elif law == "winkler" and draws.happens(0.3):
@@ -115,10 +113,10 @@ def random_skin(draws: Draws) -> dict[str, Any]:
 def random_sensor(draws: Draws) -> dict[str, Any]:
     """One grid of one or several tiles, or several patches."""
     skin = random_skin(draws)
-    coupled = skin["law"] in ("elastic_layer", "pasternak")
+    coupled = skin["law"] == "elastic_layer"
     rows, cols = draws.one((6, 14), (3, 5), (5, 8)) if coupled else draws.one((6, 14), (3, 5), (1, 9), (12, 12), (20, 33), (40, 40))
     sensor: dict[str, Any] = {"format_version": 1, "name": "random", "skin": skin}
-    if skin["law"] != "elastic_layer" and draws.happens(0.3):
+    if not coupled and draws.happens(0.3):
         sensor["patches"] = [
             {"num_rows": rows // 2 + 1, "num_cols": cols // 2 + 1, "pitch_mm": 3.4, "pose": {"position": [0.012 * n - 0.01, 0, 0]}}
             for n in range(draws.one(2, 3))
@@ -142,14 +140,11 @@ def random_sensor(draws: Draws) -> dict[str, Any]:
     return {**sensor, "readout": readout}
 
 
-def random_outputs(draws: Draws, law: str) -> taxelsim.OutputOptions:
+def random_outputs(draws: Draws) -> taxelsim.OutputOptions:
     """Some of the outputs."""
     likely = dict.fromkeys(("tactile_normal_force", "tactile_shear_force", "penetration_depth"), 0.7)
     rare = dict.fromkeys(("contact_features", "clean_contact_features", "tactile_jacobian", "clean_tactile_jacobian"), 0.2)
-    chosen = {name: draws.happens(probability) for name, probability in {**likely, **rare}.items()}
-    if law == "pasternak":  # has none
-        chosen["tactile_jacobian"] = chosen["clean_tactile_jacobian"] = False
-    return taxelsim.OutputOptions(**chosen)
+    return taxelsim.OutputOptions(**{name: draws.happens(probability) for name, probability in {**likely, **rare}.items()})
 
 
 def random_pose(draws: Draws, shape: taxelsim.Object) -> NDArray[np.float64]:
@@ -185,7 +180,7 @@ def random_scene(number: int) -> Scene:
     sensor = random_sensor(draws)
     law = sensor["skin"]["law"]
     objects = [OBJECTS[k] for k in draws.random.choice(len(OBJECTS), draws.one(1, 1, 1, 2, 3), replace=False)]
-    outputs = random_outputs(draws, law)
+    outputs = random_outputs(draws)
     max_regions = draws.one(0, 4) if outputs.contact_features or outputs.clean_contact_features else 0
     return Scene(sensor, objects, outputs, max_regions, list(random_steps(draws, [taxelsim.parse_object(name) for name in objects], law)))
 

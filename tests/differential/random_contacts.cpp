@@ -89,7 +89,7 @@ std::vector<Object> roundObjectsOfAnySize(Random& random) {
   return {Sphere{size() / 2}, Capsule{radius / 4, radius}, icosphere(size() / 2, 3, 0.05, random)};
 }
 
-ContactSet layerContacts(Random& random, LawKind kind, int num_contacts) {
+ContactSet layerContacts(Random& random, int num_contacts) {
   ContactSet set;
   const GridOptions grid{.num_rows = random.integer(3, 6),
                          .num_cols = random.integer(3, 6),
@@ -97,17 +97,10 @@ ContactSet layerContacts(Random& random, LawKind kind, int num_contacts) {
                          .pitch_y = random.uniform(1.5e-3, 4e-3),
                          .samples_per_taxel = random.integer(2, 3),
                          .thickness = 2e-3};
-  if (kind == LawKind::kElasticLayer) {
-    set.sensor = layerSensor({.poisson_ratio = random.uniform(0.3, 0.5),
-                              .base = random.chance(0.3) ? ElasticLayer::Base::kHalfSpace : ElasticLayer::Base::kBonded,
-                              .margin = random.chance(0.5) ? 0 : 2e-3},
-                             grid);
-  } else {
-    constexpr int kManySweeps = 60;  // the surface is at rest to float32 rounding
-    const double stiffness = logarithmic(random, 5e7, 5e8), decay = random.uniform(0.5e-3, 1e-3);
-    set.sensor = gridSensor(grid);
-    set.sensor.skin.law = Pasternak{stiffness, stiffness * decay * decay, kManySweeps};
-  }
+  set.sensor = layerSensor({.poisson_ratio = random.uniform(0.3, 0.5),
+                            .base = random.chance(0.3) ? ElasticLayer::Base::kHalfSpace : ElasticLayer::Base::kBonded,
+                            .margin = random.chance(0.5) ? 0 : 2e-3},
+                           grid);
   set.objects = roundObjectsOfAnySize(random);
   for (int n = 0; n < num_contacts; ++n) {
     Touch touch = randomTouch(random, set.sensor, set.objects);
@@ -122,8 +115,7 @@ ContactSet layerContacts(Random& random, LawKind kind, int num_contacts) {
 ContactSet randomContacts(int number, int num_contacts) {
   Random random(static_cast<std::uint64_t>(number) + 70'000);
   const auto kind = static_cast<LawKind>(number % kNumLawKinds);
-  return kind == LawKind::kElasticLayer || kind == LawKind::kPasternak ? layerContacts(random, kind, num_contacts)
-                                                                       : springContacts(random, kind, num_contacts);
+  return kind == LawKind::kElasticLayer ? layerContacts(random, num_contacts) : springContacts(random, kind, num_contacts);
 }
 
 }  // namespace taxelsim::support

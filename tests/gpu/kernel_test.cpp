@@ -9,14 +9,14 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "elastic_layer.spv.h"
+#include "elastic_layer_lockstep.spv.h"
 #include "find_candidates.spv.h"
 #include "find_candidates_lockstep.spv.h"
 #include "gpu/device_access.h"
 #include "gpu/kernel.h"
 #include "gpu/reflection.h"
 #include "load.spv.h"
-#include "pasternak.spv.h"
-#include "pasternak_lockstep.spv.h"
 #include "support/temporary_directory.h"
 #include "taxelsim/device.h"
 
@@ -65,11 +65,11 @@ TEST(KernelOnEveryDriver, ReflectsTexelBuffersByName) {
 }
 
 TEST(KernelOnEveryDriver, ReflectsStorageTexelBuffersByName) {
-  const gpu::Reflection any = gpu::reflect(k_pasternak_spirv), lockstep = gpu::reflect(k_pasternak_lockstep_spirv);
+  const gpu::Reflection any = gpu::reflect(k_elastic_layer_spirv), lockstep = gpu::reflect(k_elastic_layer_lockstep_spirv);
   EXPECT_EQ(lockstep.buffers, any.buffers);
   EXPECT_THAT(any.storage_texel_buffers, IsEmpty());
-  EXPECT_THAT(lockstep.storage_texel_buffers, ElementsAre(14)) << "displacements";
-  EXPECT_THAT(lockstep.texel_buffers, ElementsAre(0, 3, 4)) << "instances, heights, windows";
+  EXPECT_THAT(lockstep.storage_texel_buffers, ElementsAre(20)) << "strips of the layer";
+  EXPECT_THAT(lockstep.texel_buffers, ElementsAre(0, 3, 5, 14)) << "instances, heights, influence, motions";
   EXPECT_THAT(lockstep.others, IsEmpty());
 }
 

@@ -19,11 +19,9 @@
 #include "gpu/reflection.h"
 #include "image.spv.h"
 #include "keep_candidates.spv.h"
-#include "linked_foundation.spv.h"
 #include "load.spv.h"
 #include "mask_jacobian.spv.h"
 #include "mass_spring_damper.spv.h"
-#include "pasternak.spv.h"
 #include "rescale_jacobian.spv.h"
 #include "simulation/passes/interfaces.h"
 #include "spread_jacobian.spv.h"
@@ -114,8 +112,6 @@ TEST(PassInterfaces, MatchTheShaders) {
   expectMatches<FindCandidatesInterface>(k_find_candidates_spirv, "find_candidates");
   expectMatches<LoadInterface>(k_load_spirv, "load");
   expectMatches<ElasticLayerInterface>(k_elastic_layer_spirv, "elastic_layer");
-  expectMatches<PasternakInterface>(k_pasternak_spirv, "pasternak");
-  expectMatches<LinkedFoundationInterface>(k_linked_foundation_spirv, "linked_foundation");
   expectMatches<TaxelLawInterface>(k_mass_spring_damper_spirv, "taxel_law");
   expectMatches<ContactsInterface>(k_contacts_spirv, "contacts");
   expectMatches<DeformationMaskInterface>(k_deformation_mask_spirv, "deformation_mask");

@@ -198,8 +198,6 @@ TEST(SensorFile, ReadsEveryLaw) {
   EXPECT_EQ(law("lugre, normal_contact_stiffness: 1e8, bristle_stiffness: 2, bristle_damping: 3, viscous_friction: 4, static_friction: 6, "
                 "coulomb_friction: 5, stribeck_velocity: 7"),
             ContactLaw(LuGre{1e8, 2, 3, 4, 6, 5, 7}));
-  EXPECT_EQ(law("pasternak, normal_contact_stiffness: 5e8, shear_stiffness: 218"), ContactLaw(Pasternak{5e8, 218, 0}));
-  EXPECT_EQ(law("pasternak, normal_contact_stiffness: 5e8, shear_stiffness: 218, iterations: 30"), ContactLaw(Pasternak{5e8, 218, 30}));
 }
 
 TEST(SensorFile, AppliesRollThenPitchThenYaw) {

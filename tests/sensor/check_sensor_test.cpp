@@ -191,31 +191,6 @@ TEST(CheckSensor, LuGre) {
   }
 }
 
-TEST(CheckSensor, Pasternak) {
-  const auto with = [](auto change) {
-    return [=](Sensor& s) { change(s, s.skin.law.emplace<Pasternak>(Pasternak{.normal_contact_stiffness = 5e8, .shear_stiffness = 218})); };
-  };
-  expectAccepted(with([](Sensor&, Pasternak&) {}));
-  for (const double bad : {0.0, -1.0, kNan, kInfinity}) {
-    expectRefused("skin.normal_contact_stiffness", with([=](Sensor&, Pasternak& l) { l.normal_contact_stiffness = bad; }));
-    expectRefused("skin.shear_stiffness", with([=](Sensor&, Pasternak& l) { l.shear_stiffness = bad; }));
-  }
-  for (const int bad : {-1, kMaxLayerIterations + 1}) {
-    expectRefused("skin.iterations", with([=](Sensor&, Pasternak& l) { l.iterations = bad; }));
-  }
-  // A decay length below 3/16 of the spacing of samples.
-  expectRefused("skin.shear_stiffness", with([](Sensor&, Pasternak& l) { l.shear_stiffness = 5; }));
-  expectAccepted(with([](Sensor& s, Pasternak&) { s.patches.push_back(s.patches[0]); }));
-  expectRefused("skin.thickness", with([](Sensor& s, Pasternak&) { s.skin.thickness = 1; }));
-  expectRefused("skin.margin", with([](Sensor& s, Pasternak&) { s.skin.margin = 1e-3; }));
-  expectRefused("skin.relaxation", with([](Sensor& s, Pasternak&) { s.skin.relaxation = {{.fraction = 0.1, .time = 1}}; }));
-  expectRefused("skin.friction_coefficient", with([](Sensor& s, Pasternak&) { s.skin.friction = {1e8, 0.5}; }));
-  expectAccepted(with([](Sensor& s, Pasternak&) { s.depth_sampling = DepthSampling::kArea; }));
-  expectRefused("samples_per_taxel",
-                with([](Sensor& s, Pasternak&) { s.patches[0].num_rows = s.patches[0].num_cols = kMaxTaxelsPerSide; }));
-  expectRefused("psf.sigma", with([](Sensor& s, Pasternak&) { s.psf = {.sigma = 1e-3}; }));
-}
-
 TEST(CheckSensor, AcceptsFrictionForThreeLaws) {
   for (const ContactLaw& law :
        std::vector<ContactLaw>{MassSpringDamper{.normal_contact_stiffness = 1e8}, ElasticLayer{.elastic_modulus = 1e6}}) {

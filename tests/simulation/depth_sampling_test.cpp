@@ -46,8 +46,6 @@ TEST(SmallObjects, AreWarnedOfWithPoints) {
   EXPECT_EQ(warningOf(sensorWith(DepthSampling::kArea), "covered pin", Cylinder{0.5e-3, 12e-3}), "");
   sensor.skin.law = ElasticLayer{.elastic_modulus = 1e6};
   EXPECT_THAT(warningOf(sensor, "pin on a layer", Cylinder{0.5e-3, 12e-3}), testing::HasSubstr("samples are 0.85 mm apart"));
-  sensor.skin.law = Pasternak{.normal_contact_stiffness = 5e8, .shear_stiffness = 218};
-  EXPECT_THAT(warningOf(sensor, "hair on a foundation", Cylinder{0.05e-3, 12e-3}), testing::HasSubstr("pasternak cannot see it"));
 }
 
 }  // namespace

@@ -30,10 +30,9 @@ constexpr double kThickness = 2e-3;    // m
 constexpr double kDepth = 0.5e-3;      // m
 constexpr double kDt = 1e-3;           // s
 constexpr double kLayerModulus = 2e5;  // Pa
-constexpr double kDecay = 1.5e-3;      // m, of the two-parameter foundation
 
 constexpr double kCarried = 1e-5;          // of a load
-constexpr double kCarriedTogether = 1e-4;  // of a load, by a coupled law, whose search ends with its solver
+constexpr double kCarriedTogether = 1e-4;  // of a load, by an elastic layer, whose search ends with its solver
 
 enum class Surface { kFlat, kCurved };
 
@@ -63,11 +62,6 @@ struct Laws {
                     .takes_lists = false});
   }
   void add(const std::type_identity<LuGre>&) { rows.push_back({.law = LuGre{.normal_contact_stiffness = kStiffness}}); }
-  void add(const std::type_identity<Pasternak>&) {
-    rows.push_back(
-        {.law = Pasternak{.normal_contact_stiffness = kStiffness, .shear_stiffness = kStiffness * kDecay * kDecay, .iterations = 30},
-         .is_linear = false});
-  }
 };
 
 std::vector<Law> everyLaw() {
@@ -83,9 +77,8 @@ Sensor sensorOf(const Law& law, DepthSampling sampling, Surface surface) {
   Sensor sensor = surface == Surface::kFlat ? support::gridSensor({.num_rows = 4, .num_cols = 4, .pitch_x = 4e-3, .pitch_y = 4e-3})
                                             : support::sphereFingertip(10e-3, 2, 1.0);
   sensor.depth_sampling = sampling;
-  // As few as the reference takes little time for: it integrates over the cells of areas, and solves for all nodes of coupled laws.
-  const bool is_coupled = std::holds_alternative<ElasticLayer>(law.law) || std::holds_alternative<Pasternak>(law.law);
-  sensor.samples_per_taxel = sampling == DepthSampling::kArea ? 2 : is_coupled ? 3 : 6;
+  // As few as the reference takes little time for: it integrates over the cells of areas, and solves for all nodes of a layer.
+  sensor.samples_per_taxel = sampling == DepthSampling::kArea ? 2 : std::holds_alternative<ElasticLayer>(law.law) ? 3 : 6;
   sensor.skin.law = law.law;
   sensor.skin.thickness = kThickness;
   return sensor;
@@ -211,7 +204,6 @@ TEST_P(EveryShape, PressesAsTheReferenceAndTheClosedForm) {
   // The force of each pose as a load, from elsewhere, finds the pose; on a layer, whose cells are then those at full depth (decision 19),
   // nearly.
   const bool is_layer = std::holds_alternative<ElasticLayer>(sensor.skin.law);
-  const bool is_coupled = is_layer || std::holds_alternative<Pasternak>(sensor.skin.law);
   const bool is_layer_of_cells = is_layer && sampling == DepthSampling::kArea;
   constexpr double kLift = 5e-3, kFound = 2 * support::kTorusMarginZ;
   std::vector<Touch> lifted = touches;
@@ -225,7 +217,7 @@ TEST_P(EveryShape, PressesAsTheReferenceAndTheClosedForm) {
   for (std::size_t i = 0; i < touches.size(); ++i) {
     SCOPED_TRACE(objects[i / kNumPoses].name + ", pose " + std::to_string(i % kNumPoses) + " under " + std::to_string(loads[i]) + " N");
     EXPECT_TRUE(found.ground_truth.load_reached[i]);
-    EXPECT_NEAR(forceOf(found.ground_truth, i), loads[i], (is_coupled ? kCarriedTogether : kCarried) * loads[i]);
+    EXPECT_NEAR(forceOf(found.ground_truth, i), loads[i], (is_layer ? kCarriedTogether : kCarried) * loads[i]);
     if (i % kNumPoses == kAbove || is_layer_of_cells) continue;
     EXPECT_NEAR(found.ground_truth.load_offset[i], -kLift, kFound);
     const auto n = static_cast<std::size_t>(numTaxels(sensor));

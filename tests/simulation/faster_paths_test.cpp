@@ -305,16 +305,6 @@ TEST(FasterPathsOnEveryDriver, NoStateRemainsOnManyTiles) {
   expectNothingIsLeft(sensor, false);
 }
 
-// The nodes of a foundation take several tiles of the contact pass, which does not clear heights.
-TEST(FasterPathsOnEveryDriver, NoHeightsRemainOnTheNodesOfAFoundation) {
-  Sensor sensor = support::gridSensor({.num_rows = 5, .num_cols = 7});
-  sensor.skin.law = Pasternak{.normal_contact_stiffness = 5e8, .shear_stiffness = 218, .iterations = 4};
-  expectNothingIsLeft(sensor, true);
-  sensor.patches.push_back(sensor.patches[0]);
-  sensor.patches[1].X_SP = {{0.03, 0, 0}, axisAngle({0, 1, 0}, 0.3)};
-  expectNothingIsLeft(sensor, true);
-}
-
 TEST(FasterPathsOnEveryDriver, PolyhedronAsTrianglesMatchesTheTwin) {
   const Plain without("polyhedra");
   Random random(7);

@@ -49,9 +49,10 @@ class Provenance:
         """The sensors of the scene: of kind grasp by name, else one under ""."""
         result = {}
         with tempfile.TemporaryDirectory() as folder:
-            for found in _SENSOR.finditer(self.scene):
+            scene = _core.readable_scene(self.scene)
+            for found in _SENSOR.finditer(scene):
                 file = Path(folder, "sensor.yaml")
                 file.write_text("format_version: 1\n" + textwrap.dedent(found["settings"]), encoding="utf-8")
-                name = _ITEM.findall(self.scene, 0, found.start())[-1] if found["indent"] else ""
+                name = _ITEM.findall(scene, 0, found.start())[-1] if found["indent"] else ""
                 result[json.loads(name) if name.startswith('"') else name] = _core.load_sensor(file)
         return result

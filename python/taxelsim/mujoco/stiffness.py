@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core import DeviceType, ElasticLayer, Friction, GridPatch, LuGre, Model, Pasternak, Pose, Proximity, Sensor, Winkler
+from .._core import DeviceType, ElasticLayer, Friction, GridPatch, LuGre, Model, Pose, Proximity, Sensor, Winkler
 from ..environment import NO_OUTPUTS
 from ..errors import InputError
 from ..frame import GroundTruth
@@ -32,12 +32,10 @@ def check_law(sensor: Sensor, site: str) -> None:
 def has_device_jacobian(model: Model) -> bool:
     """Whether the device gives derivatives of the wrench.
 
-    The law pasternak has none. Those of an elastic layer are six solutions by conjugate gradients in one kernel, up to 288 products of all
-    nodes in contact with each other: for a contact over the whole array more loop iterations than software Vulkan allows a kernel.
+    Those of an elastic layer are six solutions by conjugate gradients in one kernel, up to 288 products of all nodes in contact with each
+    other: for a contact over the whole array more loop iterations than software Vulkan allows a kernel.
     """
-    law = model.sensor.skin.law
-    too_long = isinstance(law, ElasticLayer) and model.device.info.type is DeviceType.CPU
-    return not isinstance(law, Pasternak) and not too_long
+    return not (isinstance(model.sensor.skin.law, ElasticLayer) and model.device.info.type is DeviceType.CPU)
 
 
 def damping_factor(sensor: Sensor, dt: float) -> float:

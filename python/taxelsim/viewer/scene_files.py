@@ -10,7 +10,7 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from .._core import Mesh, Scene, load_scene
+from .._core import Mesh, Scene, load_scene, readable_scene
 from .._log import silenced
 from ..dataset.checksums import sha256_of
 from ..errors import InputError
@@ -44,6 +44,7 @@ def scene_of(text: str, folders: Sequence[Path], origin: Path) -> tuple[Scene, s
     the package. origin: data set, for messages. Raises InputError for another file that is not found, such as a URDF,
     and for a file that is named with a folder: no file elsewhere is opened.
     """
+    text = readable_scene(text)
     is_found: list[bool] = []  # of each mesh, in the order of the objects
     with tempfile.TemporaryDirectory() as root:
 

@@ -84,7 +84,7 @@ uint packedCentroid(CellSums sums, float edge) {
 // Gives a cell of a node to the object in a slot if that is the deepest over what it covers, which is the depth that the word of the tile then holds.
 void giveNodeCell(Tile tile, uint address, uint slot, CellSums sums) {
   float share = clamp(sums.covered, 1.0 / kCoveredUnits, 1.0), depth = sums.volume / max(sums.covered, 1.0 / kCoveredUnits);
-  depth = clamp(depth + tile.level, 0.0, THICKNESS);
+  depth = clamp(depth, 0.0, THICKNESS);
   const float kLeastCovered = 8.0 / kCoveredUnits;  // less is rounding
   uint word = depth > 0.0 && sums.covered > kLeastCovered ? wordOfDepth(depth, slot) : kEmpty;
   if (MANY_SLOTS) {

@@ -14,4 +14,4 @@ float lawSlope(float d) {
   return LAW_1 == 1.0 ? LAW_0 : LAW_0 * LAW_1 * pow(d, LAW_1 - 1.0);
 }
 
-const bool kGlobalSolve = false, kClearsHeights = true;
+const bool kGlobalSolve = false;

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "contact_elastic_layer_variants.h"
-#include "contact_pasternak_variants.h"
 #include "contact_winkler_variants.h"
 #include "mass_spring_damper_variants.h"
 #include "proximity_variants.h"
@@ -29,9 +28,6 @@ struct AddLaw {
   void operator()(const Proximity&) const { packed.taxel_passes = {{"proximity", k_proximity_variants, TaxelPass::Owner::kTile}}; }
   void operator()(const ElasticLayer&) const {
     packed = {.kernel = "contact_elastic_layer", .spirv = k_contact_elastic_layer_variants, .reach = reach};
-  }
-  void operator()(const Pasternak&) const {
-    packed = {.kernel = "contact_pasternak", .spirv = k_contact_pasternak_variants, .reach = reach};
   }
   void operator()(const LuGre& law) const {
     packed.has_bristles = true;

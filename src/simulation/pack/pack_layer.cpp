@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdlib>
 
-#include "sensor/pasternak.h"
 #include "shared/elastic_layer.h"
 #include "taxelsim/error.h"
 
@@ -16,28 +15,6 @@ namespace {
 bool fitsFloat(double force) {
   const auto rounded = static_cast<float>(force);
   return std::isnormal(rounded) && std::isfinite(rounded * 1e6f * static_cast<float>(kMaxLayerNodes));
-}
-
-// A sensor of several patches with the nodes of its foundation as taxels of one sample.
-Sensor sensorOfPatchNodes(const Sensor& sensor) {
-  const int per_side = sensor.samples_per_taxel * pasternakRefinement(sensor);
-  Sensor result = sensor;
-  for (GridPatch& patch : result.patches) {
-    patch.num_rows *= per_side;
-    patch.num_cols *= per_side;
-    for (double& pitch : patch.pitch) pitch /= per_side;
-  }
-  result.samples_per_taxel = 1;
-  result.psf = Psf{};
-  result.readout = Readout{};
-  return result;
-}
-
-// pasternakReach() of the patch with the largest nodes.
-double largestReach(const Sensor& node_sensor) {
-  double reach = 0;
-  for (const GridPatch& patch : node_sensor.patches) reach = std::max(reach, pasternakReach({.spacing = patch.pitch}));
-  return reach;
 }
 
 }  // namespace
@@ -71,21 +48,6 @@ PackedLayer packLayer(const Sensor& sensor) {
   if (!fitsFloat(packed.node_force)) {
     throw Error(ErrorKind::kInput, "skin.elastic_modulus: forces of " + std::to_string(packed.node_force) +
                                        " N per sample at full depth are not allowed: 1e-37 to 1e27, for float32");
-  }
-  return packed;
-}
-
-PackedLayer packFoundation(const Sensor& sensor) {
-  const auto& law = std::get<Pasternak>(sensor.skin.law);
-  PackedLayer packed;
-  packed.nodes = finestPasternakNodes(sensor);
-  packed.node_sensor = sensor.patches.size() > 1 ? sensorOfPatchNodes(sensor) : sensorOfNodes(sensor, packed.nodes);
-  const double thickness = sensor.skin.thickness;
-  packed.reach = static_cast<float>(largestReach(packed.node_sensor) / thickness);
-  const double springs = law.normal_contact_stiffness * packed.nodes.area() * thickness, links = law.shear_stiffness * thickness;
-  if (!fitsFloat(springs) || !fitsFloat(links)) {
-    throw Error(ErrorKind::kInput, "skin.normal_contact_stiffness: forces of " + std::to_string(springs) + " N and " +
-                                       std::to_string(links) + " N per node at full depth are not allowed: 1e-37 to 1e27, for float32");
   }
   return packed;
 }

@@ -14,15 +14,11 @@ struct PackedLayer {
   std::vector<float> influence;  // (num_rows x 2 rows of strips) by distance in rows and columns, relative to the influence of a cell on
                                  // itself; distance 0 is in the middle of a row
   float reach = 0;               // gaps that matter, in depths of the deepest node
-  CellCompliance cells{};        // of an elastic layer
-  float node_force = 0;          // N: of a node under the pressure that moves its own cell by the skin's thickness
+  CellCompliance cells{};
+  float node_force = 0;  // N: of a node under the pressure that moves its own cell by the skin's thickness
 };
 
 // The sensor's law must be ElasticLayer. Throws Error(kInput) where forces are beyond float32.
 PackedLayer packLayer(const Sensor& sensor);
-
-// The nodes of a two-parameter foundation in the same form, without influence. The sensor's law must be Pasternak. Throws Error(kInput)
-// where forces are beyond float32.
-PackedLayer packFoundation(const Sensor& sensor);
 
 }  // namespace taxelsim

@@ -153,8 +153,7 @@ PackedSensor packSensor(const Sensor& sensor, std::uint32_t tile_samples) {
   packPatches(sensor, packed);
   packTiles(sensor, tile_samples, packed);
   packed.searches_in_tile = packed.tiles.size() == 1 && packed.patches.front().row2.z == 1.0f &&
-                            (sensor.depth_sampling == DepthSampling::kPoint || std::holds_alternative<ElasticLayer>(sensor.skin.law) ||
-                             std::holds_alternative<Pasternak>(sensor.skin.law));
+                            (sensor.depth_sampling == DepthSampling::kPoint || std::holds_alternative<ElasticLayer>(sensor.skin.law));
   packTaxels(sensor, packed.one_patch, packed.taxels);
   packSpread(sensor, packed);
   packLag(sensor.readout, packed);

@@ -7,7 +7,6 @@
 #include "passes/blocks.h"
 #include "shared/batch.h"
 #include "shared/candidates.h"
-#include "shared/linked_foundation.h"
 #include "shared/objects.h"
 #include "shared/sensor.h"
 #include "shared/servo.h"

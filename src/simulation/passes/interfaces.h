@@ -44,14 +44,6 @@ struct ElasticLayerInterface {
 #include "passes/elastic_layer.h"
 };
 
-struct PasternakInterface {
-#include "passes/pasternak.h"
-};
-
-struct LinkedFoundationInterface {
-#include "passes/linked_foundation.h"
-};
-
 struct TaxelLawInterface {
 #include "passes/taxel_law.h"
 };
