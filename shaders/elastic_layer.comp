@@ -22,7 +22,6 @@
 // Mutable globals: any_unfinished_loop (driver/loop_limit.glsl); own_partial (common/partial_sums.glsl), own_shear (skin/friction.glsl).
 // Twins: src/reference/elastic_layer.cpp, relaxation.cpp, friction.cpp.
 
-#include "driver/pairs.glsl"
 #include "driver/barrier.glsl"
 #include "driver/vector_sums.glsl"
 #include "shared/batch.h"

@@ -19,7 +19,6 @@
 #include "shared/features.h"
 #include "shared/random.h"
 #include "shared/sensor.h"
-#include "driver/pairs.glsl"
 #include "passes/declare.glsl"
 #include "passes/image.h"
 

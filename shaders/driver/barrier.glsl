@@ -1,4 +1,4 @@
-// Barriers of a workgroup. Included before anything but driver/pairs.glsl, because of its extension.
+// Barriers of a workgroup. Included before anything else, because of its extension.
 //
 // With LOCKSTEP a workgroup is one vector of a software driver, whose lanes run in lockstep and need not wait; the remaining memory barriers only keep the
 // compiler from reusing old values. LOCKSTEP is a macro: SwiftShader takes minutes to compile a specialization constant in its place.
@@ -12,7 +12,7 @@ void workgroupBarrierWithBuffers() { subgroupMemoryBarrier(); }
 void workgroupBarrier() { barrier(); }
 void workgroupBarrierWithBuffers() {
   memoryBarrierBuffer();
-#ifdef PAIRS_OF_64_BITS
+#ifdef TEXEL_BUFFERS
   memoryBarrierImage();  // driver/texels.glsl
 #endif
   memoryBarrierShared();

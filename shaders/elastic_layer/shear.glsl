@@ -10,11 +10,11 @@ vec2 tractionAfter(inout vec2 traction, vec2 u, float share, float covered, floa
 }
 
 // The rectangle of nodes that have a state: first row, end row, first col, end col.
-uvec4 readStateWindow(uint start) { return uvec4(wordsOf(friction_state[start]), wordsOf(friction_state[start + 1])); }
+uvec4 readStateWindow(uint start) { return uvec4(friction_state[start], friction_state[start + 1]); }
 
 void writeStateWindow(uint start, uvec4 window) {
-  friction_state[start] = pairOf(window.xy);
-  friction_state[start + 1] = pairOf(window.zw);
+  friction_state[start] = window.xy;
+  friction_state[start + 1] = window.zw;
 }
 
 uint frictionStart(uint instance) { return instance * (kFrictionHeader + NODE_ROWS * NODE_COLS); }
@@ -22,7 +22,7 @@ uint shearState(uint instance, uvec2 node) { return frictionStart(instance) + kF
 
 // Of a node inside the rectangle that this step has stored, Pa.
 vec2 tractionAt(uint instance, uvec2 node) {
-  uvec2 words = wordsOf(friction_state[shearState(instance, node)]);
+  uvec2 words = friction_state[shearState(instance, node)];
   return hasContact(words) ? shearOf(words) : vec2(0);
 }
 
@@ -63,9 +63,9 @@ Shear shearNodes(uint instance, uint num_slots, Surface surface, uint layer_star
       uint slot = cell.edge > 0.0 ? cell.slot : slotOf(heightWordAt(surface, node));
       vec3 p = vec3(nodePosition(node) + cell.place, -(overlapAt(surface, node) + shift) * THICKNESS);
       float covered = cell.share > 0.0 ? cell.share : 1.0;  // skin that bulges meets a surface above it
-      uvec2 words = isInside(node, state_window) ? wordsOf(friction_state[shearState(instance, node)]) : uvec2(kNoFrictionState, 0u);
+      uvec2 words = isInside(node, state_window) ? friction_state[shearState(instance, node)] : uvec2(kNoFrictionState, 0u);
       vec2 q = shearTraction(words, pressure > 0.0, slot, only_motion, p, covered, pressure, 0.0);
-      friction_state[shearState(instance, node)] = pairOf(words);
+      friction_state[shearState(instance, node)] = words;
       force += q;
       torque += cross(p, vec3(q, 0));
     }

@@ -22,14 +22,14 @@ vec4 readStrip(uint layer_start, uint array, uvec2 at) { return uintBitsToFloat(
 void writeStrip(uint layer_start, uint array, uvec2 at, vec4 values) {
   uint pair = 2 * stripAddress(layer_start, array, at);
   uvec4 words = floatBitsToUint(values);
-  layer[pair] = pairOf(words.xy);
-  layer[pair + 1] = pairOf(words.zw);
+  layer[pair] = words.xy;
+  layer[pair + 1] = words.zw;
 }
 
 // Value of an array at one node.
 float valueAt(uint layer_start, uint array, uvec2 node) {
   uint address = stripAddress(layer_start, array, node);
-  uvec2 words = wordsOf(layer[2 * address + node.y % kStrip / 2]);
+  uvec2 words = layer[2 * address + node.y % kStrip / 2];
   return uintBitsToFloat((node.y & 1u) == 0 ? words.x : words.y);
 }
 

@@ -44,7 +44,7 @@
 #define BLOCK_Work BLOCK(Work, uvec4, work[])                                // (kNumWorkRows)
 #define BLOCK_WorkInstances BLOCK(WorkInstances, uint, work_instances[])     // ((kNumLists + num_tiles) x n)
 #define BLOCK_State BLOCK(State, uvec4, state[])                             // of every tile and its samples, skin/sample_states.glsl
-#define BLOCK_FrictionState BLOCK(FrictionState, Pair, friction_state[])     // of an elastic layer: kFrictionHeader, then one of every node
+#define BLOCK_FrictionState BLOCK(FrictionState, uvec2, friction_state[])    // of an elastic layer: kFrictionHeader, then one of every node
 #define BLOCK_LawState BLOCK(LawState, vec2, law_state[])                    // (n x t), of laws with taxel passes
 #define BLOCK_ContactNormal BLOCK(ContactNormal, float, contact_normal[])    // (n x t), N
 #define BLOCK_MaskedNormal BLOCK(MaskedNormal, float, masked_normal[])       // (n x t), N, of the law deformation_mask
@@ -54,7 +54,7 @@
 #define BLOCK_Heights BLOCK(Heights, uint, heights[])         // of an elastic layer (n x num_nodes): m as bits, depth/slots.glsl
 #define BLOCK_NodeCells BLOCK(NodeCells, uint, node_cells[])  // of its cells (n x num_nodes x kNodeCellWords), shared/elastic_layer.h
 #define BLOCK_Windows BLOCK(Windows, TileResult, windows[])   // of an elastic layer (n x tiles of its heights)
-#define BLOCK_Layer BLOCK(Layer, Pair, layer[])               // arrays over strips of nodes, kLayer...
+#define BLOCK_Layer BLOCK(Layer, uvec2, layer[])              // arrays over strips of nodes, kLayer...
 #define BLOCK_TaxelStates BLOCK(TaxelStates, float, taxel_states[])     // (n x num_states x t), readout/lag.glsl
 #define BLOCK_ImageWindows BLOCK(ImageWindows, uvec4, image_windows[])  // of the step before: first row and column, their numbers
 #define BLOCK_AxisPlays BLOCK(AxisPlays, float, axis_plays[])           // (n x 3 x t), N, three_axis.comp
@@ -96,8 +96,7 @@
 #define BLOCK_LayerStrips BLOCK(LayerStrips, uvec4, layer_strips[])               // Layer, to be loaded four words at a time
 #define BLOCK_ForceFours BLOCK(ForceFours, vec4, force_fours[])      // ContactNormal or MaskedNormal, to be loaded four taxels at a time
 #define BLOCK_ResultFours BLOCK(ResultFours, uvec4, result_fours[])  // TileResults, to be loaded four words at a time
-#define BLOCK_ImagePairs BLOCK(ImagePairs, Pair, image_pairs[])      // Image, two taxels at a time
-#define BLOCK_Triggers BLOCK(Triggers, float, triggers[])            // (t, padded to fours), N
+#define BLOCK_Triggers BLOCK(Triggers, float, triggers[])                     // (t, padded to fours), N
 #define BLOCK_CleanFeatureSource BLOCK(CleanFeatureSource, uint, feature_source)
 #define BLOCK_CleanContactFeatures BLOCK(CleanContactFeatures, float, features[])
 #define BLOCK_CleanTactileJacobian BLOCK(CleanTactileJacobian, float, features[])  // with the wrench's after that of the features
@@ -121,5 +120,5 @@
   BLOCK_ContactCells BLOCK_TileChanges BLOCK_TaxelJacobian BLOCK_MaskedJacobian BLOCK_WrenchJacobian             \
   BLOCK_Image BLOCK_TaxelCounts BLOCK_SpreadNormal BLOCK_SpreadShear BLOCK_Features BLOCK_ContactFeatures BLOCK_TactileJacobian    \
   BLOCK_SpreadJacobian BLOCK_TwistGradient BLOCK_GainGradient BLOCK_Problems                                                                     \
-  BLOCK_EmptyWork BLOCK_PastState BLOCK_PastTaxelStates BLOCK_LayerStrips BLOCK_ForceFours BLOCK_ResultFours BLOCK_ImagePairs BLOCK_CleanFeatureSource BLOCK_CleanContactFeatures BLOCK_CleanTactileJacobian
+  BLOCK_EmptyWork BLOCK_PastState BLOCK_PastTaxelStates BLOCK_LayerStrips BLOCK_ForceFours BLOCK_ResultFours BLOCK_CleanFeatureSource BLOCK_CleanContactFeatures BLOCK_CleanTactileJacobian
 // clang-format on

@@ -34,7 +34,6 @@ CONSTANT(36, bool, RANDOM_SKIN)              // every instance has a trigger, hy
 CONSTANT(37, bool, SCALED)                   // contact_normal holds forces divided by the part of the kernel that stays on the sensor
 CONSTANT(38, bool, READS_AT_REST)            // a taxel has a trigger below 0
 CONSTANT(39, uint, MARGIN)                   // so many taxels around those that objects reach may have a force, too
-CONSTANT(40, bool, PAIRS)                    // two taxels of a row at a time; for rows of even length and a kernel of 3 x 3
 
 TEXELS(0, Instances)
 UNIFORM(1, Step)
@@ -53,6 +52,5 @@ BUFFER(13, writeonly, Problems)
 BUFFER(14, writeonly, TaxelStates)
 BUFFER(15, readwrite, ImageWindows)
 BUFFER(16, readonly, SpreadScale)
-TEXELS(17, ForceFours)             // ContactNormal
-BUFFER(18, writeonly, ImagePairs)  // Image
-TEXELS(19, PastTaxelStates)        // TaxelStates
+TEXELS(17, ForceFours)       // ContactNormal
+TEXELS(18, PastTaxelStates)  // TaxelStates

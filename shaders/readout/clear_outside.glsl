@@ -1,14 +1,4 @@
-// `counts`: of the taxel and, with PAIRS, of the next one.
-void writeCounts(uint taxel, uvec2 counts) {
-  if (PAIRS) {
-    image_pairs[taxel / 2u] = pairOf(counts);
-  } else {
-    image[taxel] = counts.x;
-  }
-}
-
-// Clears the outputs of the taxels that the step before has written (all of them where it is not known) outside the window, with PAIRS of those in pairs that
-// do not reach into it, since readRows() writes whole pairs. `lane`: of the team.
+// Clears the outputs of the taxels that the step before has written (all of them where it is not known) outside the window. `lane`: of the team.
 void clearOutside(uint instance, uint lane, ImageWindow window, bool new_frame) {
   if (!kOnePatch) return;
   uvec4 before = KEEPS_WINDOW ? image_windows[instance] : uvec4(0, 0, kRows, kCols);
@@ -18,16 +8,13 @@ void clearOutside(uint instance, uint lane, ImageWindow window, bool new_frame) 
   uint i = lane;
   for (; i < num_rows; i += TEAM) {
     uvec2 at = first + uvec2(i, 0);
-    at.y -= at.y % kColsAtOnce;
     bool in_row = at.x - window.first.x < window.count.x;
-    for (; at.y < end; at.y += kColsAtOnce) {
-      if (in_row && at.y + kColsAtOnce > window.first.y && at.y < window.first.y + window.count.y) continue;
+    for (; at.y < end; ++at.y) {
+      if (in_row && at.y - window.first.y < window.count.y) continue;
       uint t = instance * NUM_TAXELS + at.x * kCols + at.y;
-      [[unroll]] for (uint k = 0; k < kColsAtOnce; ++k) {
-        if (OUTPUT_NORMAL) spread_normal[t + k] = 0.0;
-        if (SHEAR) spread_shear[2 * (t + k)] = spread_shear[2 * (t + k) + 1] = 0.0;
-      }
-      if (new_frame) writeCounts(t, uvec2(0));
+      if (OUTPUT_NORMAL) spread_normal[t] = 0.0;
+      if (SHEAR) spread_shear[2 * t] = spread_shear[2 * t + 1] = 0.0;
+      if (new_frame) image[t] = 0;
     }
     checkLoop(at.y < end);
   }

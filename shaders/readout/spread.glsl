@@ -14,7 +14,6 @@ void addSource(inout Spread sum, uint source, float weight) {
 // ---- a grid patch with a kernel of 3 x 3: a window slides along a row ----
 //
 // Sources outside the window of contact are 0. A step fetches three sources instead of nine; two neighbouring rows at once fetch four instead of eighteen.
-// With PAIRS a step processes two columns, the first of which is even: it loads sources and stores counts two at a time.
 //
 //   column:   before  here  after          Kernel::...[d]: weight of the source in row i - 1 + d of that column, for the taxel at (i, j)
 //   row i-1      x      x      x
@@ -24,7 +23,6 @@ void addSource(inout Spread sum, uint source, float weight) {
 
 const bool kSliding = kOnePatch && KERNEL == 3;
 const uint kRowsAtOnce = kSliding && TEAM == 1 && LANES > 1 ? 2 : 1;
-const uint kColsAtOnce = PAIRS ? 2u : 1u;
 
 struct Kernel {
   vec3 before, here, after;
@@ -40,48 +38,38 @@ struct Column {
   vec4 normal, shear_x, shear_y;
 };
 
-// Of a step and of the next one, and before them the last column of the step before.
 struct Columns {
-  Column at[5];
+  Column before, here, after;
 };
 
 Column noColumn() { return Column(vec4(0), vec4(0), vec4(0)); }
 
-// Of a taxel and, with PAIRS, of the next one.
-vec2 forcesAt(uint taxel) {
-  if (!PAIRS) return vec2(floatOfFours(ForceFours, taxel), 0);
-  vec4 four = floatsOfFour(ForceFours, taxel / 4u);
-  return (taxel & 2u) == 0 ? four.xy : four.zw;
-}
-
-// Loads the columns of the step that begins with the taxel `at`, as those of the next step.
-void loadColumns(uint first_taxel, ImageWindow window, uvec2 at, inout Columns columns) {
-  const uint kNext = 1u + kColsAtOnce;
-  [[unroll]] for (uint k = 0; k < kColsAtOnce; ++k) columns.at[kNext + k] = noColumn();
-  bvec2 is_reached = lessThan(uvec2(at.y, at.y + 1u) - window.contact_first.y, uvec2(window.contact_count.y));
+// The sources in the rows around taxel `at`, in its column.
+Column columnAt(uint first_taxel, ImageWindow window, uvec2 at) {
+  Column column = noColumn();
+  bool is_reached = at.y - window.contact_first.y < window.contact_count.y;
   [[unroll]] for (uint d = 0; d < 2 + kRowsAtOnce; ++d) {
     uint row = at.x + d - 1u;  // before the first one: a large number
-    if (row - window.contact_first.x >= window.contact_count.x || !(is_reached.x || PAIRS && is_reached.y)) continue;
+    if (row - window.contact_first.x >= window.contact_count.x || !is_reached) continue;
     uint taxel = first_taxel + row * NUM_COLS + at.y;
-    vec2 normal = forcesAt(taxel);
-    [[unroll]] for (uint k = 0; k < kColsAtOnce; ++k) {
-      if (is_reached[k]) columns.at[kNext + k].normal[d] = normal[k];
-      if (!SHEAR || !is_reached[k]) continue;
-      columns.at[kNext + k].shear_x[d] = contact_shear[2 * (taxel + k)];
-      columns.at[kNext + k].shear_y[d] = contact_shear[2 * (taxel + k) + 1];
-    }
+    column.normal[d] = floatOfFours(ForceFours, taxel);
+    if (!SHEAR) continue;
+    column.shear_x[d] = contact_shear[2 * taxel];
+    column.shear_y[d] = contact_shear[2 * taxel + 1];
   }
+  return column;
 }
 
-// At the first taxel of a row, before which contact reaches none; then slideColumns() before each step, the first included.
+// At the first taxel of a row, before which contact reaches none; then slideColumns() before each taxel, the first included.
 void startColumns(uint first_taxel, ImageWindow window, uvec2 at, inout Columns columns) {
-  columns.at[kColsAtOnce] = noColumn();
-  loadColumns(first_taxel, window, at, columns);
+  columns.here = noColumn();
+  columns.after = columnAt(first_taxel, window, at);
 }
 
 void slideColumns(uint first_taxel, ImageWindow window, uvec2 at, inout Columns columns) {
-  [[unroll]] for (uint k = 0; k <= kColsAtOnce; ++k) columns.at[k] = columns.at[k + kColsAtOnce];
-  loadColumns(first_taxel, window, at + uvec2(0, kColsAtOnce), columns);
+  columns.before = columns.here;
+  columns.here = columns.after;
+  columns.after = columnAt(first_taxel, window, at + uvec2(0, 1));
 }
 
 float weighted(Kernel kernel, uint row, vec4 before, vec4 here, vec4 after) {
@@ -89,9 +77,9 @@ float weighted(Kernel kernel, uint row, vec4 before, vec4 here, vec4 after) {
   return dot(kernel.before, before.yzw) + dot(kernel.here, here.yzw) + dot(kernel.after, after.yzw);
 }
 
-// At the taxel in the first (0) or second (1) row and the k-th column of a step.
-Spread spreadSliding(Kernel kernel, inout Columns columns, uint row, uint k) {
-  Column before = columns.at[k], here = columns.at[k + 1u], after = columns.at[k + 2u];
+// At the taxel in the first (0) or second (1) row of the columns.
+Spread spreadSliding(Kernel kernel, inout Columns columns, uint row) {
+  Column before = columns.before, here = columns.here, after = columns.after;
   Spread sum = Spread(weighted(kernel, row, before.normal, here.normal, after.normal), vec2(0));
   if (SHEAR) {
     sum.shear.x = weighted(kernel, row, before.shear_x, here.shear_x, after.shear_x);

@@ -48,8 +48,8 @@ float triggerFactor(Instance instance, uint t, uvec2 seed) {
   return spread > 0.0 ? factor * exp(spread * gaussian(seed, instance.keys.xy, 0, t, kPurposeTaxelTrigger)) : factor;
 }
 
-// Counts of one taxel, which the caller stores. Adds it to the sums and writes its other outputs.
-uint readTaxel(Instance instance, Lag lag, uint t, uvec2 at, Spread spread, uvec2 seed, inout ImageSums sums) {
+// Writes the outputs of one taxel and adds it to the sums.
+void readTaxel(Instance instance, Lag lag, uint t, uvec2 at, Spread spread, uvec2 seed, inout ImageSums sums) {
   if (RANDOM_SKIN) spread = narrowed(instance, t, at, spread);
   if (OUTPUT_NORMAL) spread_normal[instance.first_taxel + t] = spread.normal;
   if (SHEAR) {
@@ -63,49 +63,40 @@ uint readTaxel(Instance instance, Lag lag, uint t, uvec2 at, Spread spread, uvec
   float force = laggedForce(lag, states, spread.normal);
   float drift = 0.0;
   if (RANDOM_WALK) drift = updateRandomWalk(states, step_record.time.w * gaussian(seed, instance.keys.xy, instance.step, t, kPurposeRandomWalk));
-  if (!instance.new_frame) return 0;
+  if (!instance.new_frame) return;
   float gain = TAXELS_ALIKE ? instance.drive.y : instance.drive.y * taxels[t].readout.x;
   if (RANDOM && instance.drive.z > 0.0) gain *= exp(instance.drive.z * gaussian(seed, instance.keys.xy, 0, t, kPurposeTaxelGain));
   float offset = offsetOf(seed, instance.keys.xy, instance.keys.z, t, instance.noise_level) + drift;
   float trigger = RANDOM_SKIN ? nominal_trigger * triggerFactor(instance, t, seed) : nominal_trigger;
   uint counts = countsOf(force, gain, trigger, offset);
   if (isDead(seed, instance.keys.xy, t)) counts = 0;
+  image[instance.first_taxel + t] = counts;
   addForce(sums.measured, nominalForce(counts), chart, counts > 0);
   if (float(counts) >= SATURATION) sums.num_saturated += 1.0;
-  return counts;
 }
 
-// Stages 3 to 5 of row `i` of the window and, with kRowsAtOnce 2, of the next row if there is one. A pair of taxels may begin before the window or end behind
-// it, where forces and counts are 0.
+// Stages 3 to 5 of row `i` of the window and, with kRowsAtOnce 2, of the next row if there is one.
 void readRows(Instance instance, Kernel kernel, Lag lag, uint i, uvec2 seed, inout ImageSums sums, inout ImageSums next_sums) {
   ImageSums row = noSums(), next_row = noSums();
   uvec2 at = instance.window.first + uvec2(i, 0);
   uint end = at.y + instance.window.count.y;
-  at.y -= at.y % kColsAtOnce;
   Columns columns;
   if (kSliding) startColumns(instance.first_taxel, instance.window, at, columns);
-  for (; at.y < end; at.y += kColsAtOnce) {
+  for (; at.y < end; ++at.y) {
     uint t = at.x * kCols + at.y;
     if (!kOnePatch && t >= NUM_TAXELS) continue;
     if (kSliding) slideColumns(instance.first_taxel, instance.window, at, columns);
-    uvec2 counts = uvec2(0);
-    [[unroll]] for (uint k = 0; k < kColsAtOnce; ++k) {
-      Spread spread;
-      if (kSliding) {
-        spread = spreadSliding(kernel, columns, 0, k);
-      } else if (kOnePatch) {
-        spread = spreadOnGrid(instance.first_taxel, instance.window, ivec2(at));
-      } else {
-        spread = spreadByList(instance.first_taxel, t);
-      }
-      counts[k] = readTaxel(instance, lag, t + k, at + uvec2(0, k), spread, seed, row);
+    Spread spread;
+    if (kSliding) {
+      spread = spreadSliding(kernel, columns, 0);
+    } else if (kOnePatch) {
+      spread = spreadOnGrid(instance.first_taxel, instance.window, ivec2(at));
+    } else {
+      spread = spreadByList(instance.first_taxel, t);
     }
-    if (instance.new_frame) writeCounts(instance.first_taxel + t, counts);
+    readTaxel(instance, lag, t, at, spread, seed, row);
     if (kRowsAtOnce > 1 && i + 1 < instance.window.count.x) {
-      [[unroll]] for (uint k = 0; k < kColsAtOnce; ++k) {
-        counts[k] = readTaxel(instance, lag, t + kCols + k, at + uvec2(1, k), spreadSliding(kernel, columns, 1, k), seed, next_row);
-      }
-      if (instance.new_frame) writeCounts(instance.first_taxel + t + kCols, counts);
+      readTaxel(instance, lag, t + kCols, at + uvec2(1, 0), spreadSliding(kernel, columns, 1), seed, next_row);
     }
   }
   checkLoop(at.y < end);

@@ -13,16 +13,15 @@
 namespace taxelsim::gpu {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, bool FastPaths::*>, 10> kNames{{{"pairs", &FastPaths::pairs},
-                                                                                 {"polyhedra", &FastPaths::polyhedra},
-                                                                                 {"kinds", &FastPaths::kinds},
-                                                                                 {"untouched", &FastPaths::untouched},
-                                                                                 {"candidates", &FastPaths::candidates},
-                                                                                 {"lockstep", &FastPaths::lockstep},
-                                                                                 {"alone", &FastPaths::alone},
-                                                                                 {"sequences", &FastPaths::sequences},
-                                                                                 {"threads", &FastPaths::threads},
-                                                                                 {"servo", &FastPaths::servo}}};
+constexpr std::array<std::pair<std::string_view, bool FastPaths::*>, 9> kNames{{{"polyhedra", &FastPaths::polyhedra},
+                                                                                {"kinds", &FastPaths::kinds},
+                                                                                {"untouched", &FastPaths::untouched},
+                                                                                {"candidates", &FastPaths::candidates},
+                                                                                {"lockstep", &FastPaths::lockstep},
+                                                                                {"alone", &FastPaths::alone},
+                                                                                {"sequences", &FastPaths::sequences},
+                                                                                {"threads", &FastPaths::threads},
+                                                                                {"servo", &FastPaths::servo}}};
 
 // Two subgroups of 32 lanes, or one of 64.
 constexpr std::uint32_t kGpuWorkgroup = 64;

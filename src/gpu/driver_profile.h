@@ -12,7 +12,6 @@ namespace taxelsim::gpu {
 
 // Fast paths: the same results in less time. Each has a plain path; tests compare the results of both.
 struct FastPaths {
-  bool pairs = true;       // loads of 64 bits
   bool polyhedra = true;   // convex meshes of few faces as half-spaces: the same surface, other roundings
   bool kinds = true;       // the contact pass runs once for each kind of object
   bool untouched = true;   // early exit where no object is near; values that are 0 are not cleared again
@@ -65,9 +64,6 @@ class DriverProfile {
   // at a time.
   bool prefersFewBarriers() const { return is_software_; }
 
-  // Whether two words are better fetched as one integer of 64 bits, and four as a texel, also with barriers.
-  bool prefers64BitLoads() const { return paths_.pairs && is_software_ && wide_numbers_.integers; }
-
   // Whether the device can close the loops of servos, with the host's bits.
   bool canRunServos() const { return wide_numbers_.floats; }
   // Whether it should. A software device would compute on the processors what the host computes there anyway.
@@ -81,6 +77,9 @@ class DriverProfile {
   // size.
   static constexpr std::uint32_t kNoneWaits = 1;
   std::span<const std::uint32_t> select(const ShaderVariants& variants, std::uint32_t workgroup) const;
+
+  // Whether workgroups of several vectors, too, load texels in passes that have such a variant: shaders/driver/texels.glsl.
+  bool prefersTexels() const { return paths_.lockstep && vector_size_ > 0; }
 
   // Whether device memory is not mapped, so that results need a second buffer that they are copied to.
   bool copiesResults() const { return has_own_memory_; }

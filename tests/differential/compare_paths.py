@@ -26,7 +26,7 @@ from report import lowest_height
 import taxelsim
 from taxelsim.errors import Error
 
-PLAIN = "pairs,kinds,sequences,untouched,candidates,lockstep,alone"
+PLAIN = "kinds,sequences,untouched,candidates,lockstep,alone"
 MESHES = Path(__file__).parents[2] / "scenes" / "objects"
 SOLIDS = (
     "sphere:0.01",

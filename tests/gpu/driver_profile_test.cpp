@@ -59,9 +59,8 @@ TEST(DriverProfile, LockstepNeedsMesasSoftwareDriverAndOneVector) {
 }
 
 TEST(DriverProfile, PlainPathsSwitchOffWhatTheyName) {
-  EXPECT_TRUE(lavapipe().prefers64BitLoads());
-  EXPECT_FALSE(profileOf(DeviceType::kCpu, "llvmpipe Mesa", {.pairs = false}).prefers64BitLoads());
-  EXPECT_FALSE(profileOf(DeviceType::kCpu, "llvmpipe Mesa", {}, {.integers = false, .floats = true}).prefers64BitLoads());
+  EXPECT_TRUE(lavapipe().prefersTexels());
+  EXPECT_FALSE(profileOf(DeviceType::kCpu, "llvmpipe Mesa", {.lockstep = false}).prefersTexels());
   EXPECT_FALSE(profileOf(DeviceType::kCpu, "llvmpipe Mesa", {.alone = false}).prefersOneInvocationPerItem(1));
 }
 

@@ -61,7 +61,7 @@ TEST(FasterPathsOnEveryDriver, ChangeNoBit) {
   for (const int num_patches : {1, 4}) {
     const Scene scene = wideScene(num_patches);
     const auto expected = bitsOf(scene, "");
-    for (const char* name : {"pairs", "untouched", "lockstep", "alone", "pairs,untouched,lockstep,alone"}) {
+    for (const char* name : {"untouched", "lockstep", "alone", "untouched,lockstep,alone"}) {
       EXPECT_EQ(bitsOf(scene, name), expected) << name << ", " << num_patches << " patches";
     }
   }
@@ -195,35 +195,6 @@ TEST(FasterPathsOnEveryDriver, LockstepChangesNoBit) {
   expectLockstepDoesNotShow(layer);
 }
 
-// A ball at places half a taxel apart, past both ends of the array: windows begin and end at even and odd columns. It is less deep in the
-// second step, beyond whose contact old forces lie: without depths nothing clears them.
-void expectPairsDoNotShow(const Sensor& sensor) {
-  constexpr int kNumInstances = 20;
-  constexpr double kRadius = 6e-3;
-  const double pitch = sensor.patches[0].pitch[1];
-  std::vector<std::vector<Touch>> steps(2);
-  for (int i = 0; i < kNumInstances; ++i) {
-    const double y = (0.5 * i - 5) * pitch;
-    steps[0].push_back({{0}, {{{0.3 * y, y, kRadius - 1.2e-3}}}});
-    steps[1].push_back({{0}, {{{0.3 * y, y, kRadius - 0.1e-3}}}});
-  }
-  const auto bits = [&](const char* plain) {
-    const Plain without(plain);
-    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object("ball", Sphere{.radius = kRadius})}});
-    Simulator simulator(model, {.num_instances = kNumInstances, .outputs = {.penetration_depth = false}});
-    return bitsOf(simulator, steps);
-  };
-  EXPECT_EQ(bits(""), bits("pairs"));
-}
-
-TEST(FasterPathsOnEveryDriver, PairsOfTaxelsChangeNoBit) {
-  Sensor sensor = support::gridSensor({.num_rows = 5, .num_cols = 8});
-  sensor.psf = gaussianPsf(0.5, 3);
-  expectPairsDoNotShow(sensor);
-  sensor.skin.friction = {.tangential_stiffness = 5e7, .friction_coefficient = 0.8};
-  expectPairsDoNotShow(sensor);
-}
-
 // A cylinder across the array slides back and forth over several taxels: those next to it are skipped in some steps, and what they kept
 // from the step before must not count in the next one.
 void expectSkippedTaxelsForget(const Sensor& sensor) {
@@ -320,14 +291,14 @@ TEST(FasterPathsOnEveryDriver, PolyhedronAsTrianglesMatchesTheTwin) {
 }
 
 TEST(FasterPathsOnEveryDriver, RejectsAnUnknownName) {
-  const Plain without("pairs,pears");
+  const Plain without("kinds,pears");
   try {
     const Model model(support::sharedDevice(), {.sensor = support::gridSensor()});
     FAIL() << "taken";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kInput);
     EXPECT_STREQ(error.what(),
-                 "TAXELSIM_PLAIN: \"pears\" is not allowed: pairs, polyhedra, kinds, untouched, candidates, lockstep, alone, sequences, "
+                 "TAXELSIM_PLAIN: \"pears\" is not allowed: polyhedra, kinds, untouched, candidates, lockstep, alone, sequences, "
                  "threads, servo, all");
   }
 }

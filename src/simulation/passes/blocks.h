@@ -14,8 +14,8 @@
 namespace taxelsim::block {
 
 using namespace layout;  // NOLINT(google-build-using-namespace): names of records
+using glm::uvec2;
 using glm::vec2;
-using Pair = glm::uvec2;  // shaders/driver/pairs.glsl
 
 enum class Number : std::size_t {
 #define BLOCK(Name, ElementType, declarator) k##Name,

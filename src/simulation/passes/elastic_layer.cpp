@@ -1,6 +1,6 @@
 #include "simulation/passes/elastic_layer.h"
 
-#include "elastic_layer_pairs_variants.h"
+#include "elastic_layer_texels.spv.h"
 #include "elastic_layer_variants.h"
 #include "shared/elastic_layer.h"
 #include "simulation/passes/layer_memory.h"
@@ -31,12 +31,12 @@ void ElasticLayerPass::record(Recorder recorder, const Variant& variant) const {
 }
 
 ElasticLayerPass::Kernel ElasticLayerPass::makeKernel(const Variant& variant) const {
-  const gpu::DriverProfile& profile = model_.profile;
-  const gpu::ShaderVariants shaders = profile.prefers64BitLoads() ? k_elastic_layer_pairs_variants : k_elastic_layer_variants;
   const auto& law = std::get<ElasticLayer>(model_.sensor.skin.law);
   const Skin& skin = model_.sensor.skin;
   const LayerNodes& nodes = model_.layer->nodes;
-  return {model_.context(), "elastic_layer", profile.select(shaders, sizes_.workgroup),
+  gpu::ShaderVariants shaders = k_elastic_layer_variants;
+  if (model_.profile.prefersTexels()) shaders.any = k_elastic_layer_texels_spirv;
+  return {model_.context(), "elastic_layer", model_.profile.select(shaders, sizes_.workgroup),
           commonConstants(model_.sensor, model_.packed, sizes_),
           ElasticLayerInterface{.NODE_ROWS = nodes.num_rows,
                                 .NODE_COLS = nodes.num_cols,

@@ -1,10 +1,8 @@
 #include "simulation/passes/image.h"
 
 #include <algorithm>
-#include <span>
 #include <string>
 
-#include "image_pairs.spv.h"
 #include "image_variants.h"
 #include "sensor/curve.h"
 #include "taxelsim/error.h"
@@ -40,11 +38,6 @@ void checkFits(const DeviceInfo& info, const TeamSizes& sizes) {
                                      " bytes of shared memory, the device has " + std::to_string(info.shared_memory));
 }
 
-// Whether the readout of a taxel is short: four copies of it fit into a processor's cache for instructions.
-bool isShort(const Readout& readout, const ImagePass::Variant& variant) {
-  return isLinear(readout) && !variant.random && iterationsOfTime(readout) == 0 && readout.low_pass_time == 0 && readout.delay == 0;
-}
-
 }  // namespace
 
 ImagePass::ImagePass(const ModelData& model, const ModelOptions& options, const Tuning& tuning) : model_(model) {
@@ -62,7 +55,6 @@ ImagePass::ImagePass(const ModelData& model, const ModelOptions& options, const 
 void ImagePass::record(Recorder recorder, const Variant& variant) const {
   if (variant.masked) recorder.bindings.redirect<block::ContactNormal, block::MaskedNormal>();
   recorder.bindings.redirect<block::ForceFours, block::ContactNormal>();
-  recorder.bindings.redirect<block::ImagePairs, block::Image>();
   recorder.bindings.redirect<block::PastTaxelStates, block::TaxelStates>();
   recorder.dispatch(kernels_.get(variant, [&] { return makeKernel(variant); }),
                     numWorkgroups(recorder.num_instances, sizes_.itemsPerWorkgroup()));
@@ -76,11 +68,8 @@ ImagePass::Kernel ImagePass::makeKernel(const Variant& variant) const {
   });
   const bool reads_at_rest =
       std::any_of(packed.taxels.begin(), packed.taxels.end(), [](const layout::TaxelRecord& taxel) { return taxel.readout.y < 0; });
-  const bool slides = model_.profile.prefers64BitLoads() && sizes_.team == 1 && packed.one_grid && model_.sensor.psf.size == 3;
-  const bool pairs = slides && model_.sensor.patches.front().num_cols % 2 == 0 && isShort(readout, variant);
-  const std::span<const std::uint32_t> spirv = slides ? std::span<const std::uint32_t>(k_image_pairs_spirv)
-                                                      : model_.profile.select(k_image_variants, gpu::DriverProfile::kNoneWaits);
-  return {model_.context(), "image", spirv, commonConstants(model_.sensor, packed, sizes_.pass),
+  return {model_.context(), "image", model_.profile.select(k_image_variants, gpu::DriverProfile::kNoneWaits),
+          commonConstants(model_.sensor, packed, sizes_.pass),
           ImageInterface{.SHEAR = variant.with_shear,
                          .NUM_ENTRIES = packed.num_entries,
                          .OUTPUT_NORMAL = variant.with_normal,
@@ -109,8 +98,7 @@ ImagePass::Kernel ImagePass::makeKernel(const Variant& variant) const {
                          .RANDOM_SKIN = variant.random_skin,
                          .SCALED = packed.scalesSpread(),
                          .READS_AT_REST = reads_at_rest,
-                         .MARGIN = variant.masked ? 1u : 0u,
-                         .PAIRS = pairs}};
+                         .MARGIN = variant.masked ? 1u : 0u}};
 }
 
 }  // namespace taxelsim
