@@ -11,8 +11,8 @@
 //      A sensor of one tile writes taxels only inside the window of its result. For a globally coupled law contact_normal holds, instead of forces, the
 //      surface height (m, in P) at each solver node, with the slot in its lowest bits (depth/slots.glsl); kMiss without a surface. With AREA: node_cells instead.
 // State per sample, between steps: skin/sample_states.glsl.
-// Shared memory: 4 TILE_SAMPLES (9 with AREA, 17 with MANY_SLOTS or lockstep, too) + 16 LANES + 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 4 REPEAT + 88 bytes; friction
-//      adds 8 LANES + 512, lockstep 16 NUM_FACES, AREA with meshes 4 kMostFacets, VARIATION 16 TILE_SAMPLES.
+// Shared memory: 4 TILE_SAMPLES (9 with AREA, 17 with MANY_SLOTS or ONE_VECTOR, too) + 16 LANES + 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 4 REPEAT + 88 bytes; friction
+//      adds 8 LANES + 512, ONE_VECTOR 16 NUM_FACES, AREA with meshes 4 kMostFacets, VARIATION 16 TILE_SAMPLES.
 // Deterministic: the tile is a minimum of integers, which sum cells; LANES partial sums are added in a fixed order, whatever the size of the workgroup.
 // Mutable globals: own_partial (common/partial_sums.glsl), own_shear (skin/friction.glsl); any_unfinished_loop, num_iterations (driver/loop_limit.glsl); the planes of a polyhedron (depth/polyhedron.glsl).
 // Twins: src/reference/depth.cpp, contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp, load.cpp.
@@ -25,7 +25,7 @@
 
 const float kMiss = kNoHeight;  // height where there is no surface
 
-#include "common/whole.glsl"
+#include "driver/whole.glsl"
 #include "common/transform.glsl"
 #include "common/workgroup.glsl"
 #include "common/instances.glsl"

@@ -33,7 +33,7 @@ struct Instance {
 
 #include "common/workgroup.glsl"
 #include "common/instances.glsl"
-#include "common/whole.glsl"
+#include "driver/whole.glsl"
 #include "driver/loop_limit.glsl"
 #include "readout/readout.glsl"
 

@@ -37,7 +37,7 @@ const bool FLAT = false;        // the patch's frame may be any
 
 shared uint num_deep;  // nodes of taxels at full depth
 
-#include "common/whole.glsl"
+#include "driver/whole.glsl"
 #include "common/workgroup.glsl"
 #include "common/instances.glsl"
 #include "common/transform.glsl"

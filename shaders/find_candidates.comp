@@ -26,7 +26,7 @@ const float kMiss = kNoHeight;
 shared uint num_found;
 
 #include "common/workgroup.glsl"
-#include "common/whole.glsl"
+#include "driver/whole.glsl"
 #include "common/transform.glsl"
 #include "common/work_lists.glsl"
 #include "driver/loop_limit.glsl"

@@ -4,7 +4,7 @@
 // Image pass: stages 3 (spread), 4 (time), 5 (readout) and 6 (features) of one frame.
 //
 // A workgroup has WORKGROUP / TEAM teams; each team processes REPEAT instances in sequence. An invocation owns rows of taxels, so that it fetches the sources
-// of a row once. On a software driver a team is one invocation, and a vector of the driver computes the features of as many instances as it has lanes.
+// of a row once. A team may be one invocation (driver/README.md).
 // In:  contact_normal (num_instances x num_taxels), N; contact_shear (num_instances x num_taxels x 2), N; tile_results (num_instances x num_tiles); the
 //      spread's kernel or lists.
 // Out: image (num_instances x num_taxels), counts; spread_normal, N, and spread_shear, N, of the same shapes as their inputs; features (block after block,
@@ -24,7 +24,7 @@
 
 #include "common/workgroup.glsl"
 #include "common/instances.glsl"
-#include "common/whole.glsl"
+#include "driver/whole.glsl"
 #include "common/philox.glsl"
 #include "driver/loop_limit.glsl"
 

@@ -20,7 +20,7 @@
 #include "passes/declare.glsl"
 #include "passes/keep_candidates.h"
 
-// Measured on software drivers. Finding costs once per so many steps, larger bounds cost in each of them; the total is least when the number of steps is
+// Measured with the path `candidates` (docs/performance.md). Finding costs once per so many steps, larger bounds cost in each of them; the total is least when the number of steps is
 // inversely proportional to the square root of the speed.
 const float kStepsAhead = 2.0;       // at a speed of one sample spacing per step
 const float kMaxStepsAhead = 32.0;
@@ -31,7 +31,7 @@ const float kMinStepsAhead = 3.0;    // fewer do not pay
 const float kMiss = kNoHeight;
 
 #include "common/workgroup.glsl"
-#include "common/whole.glsl"
+#include "driver/whole.glsl"
 #include "common/transform.glsl"
 #include "depth/tile.glsl"
 #include "depth/bodies.glsl"

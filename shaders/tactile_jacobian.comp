@@ -23,7 +23,7 @@ const float BIAS = 0.0;  // for readout/imperfections.glsl; offsets do not enter
 
 const uint kTeams = WORKGROUP / TEAM;
 
-#include "common/whole.glsl"
+#include "driver/whole.glsl"
 #include "common/workgroup.glsl"
 #include "common/instances.glsl"
 #include "common/philox.glsl"

@@ -3,7 +3,7 @@
 //
 // The faces' planes over the patch are computed once per body.
 // Mutable globals, because arrays passed as arguments would be copied per sample: face_slopes, face_lows, face_highs, row_planes.
-// Shared memory: with LOCKSTEP 16 NUM_FACES bytes.
+// Shared memory: with ONE_VECTOR 16 NUM_FACES bytes.
 
 // Planes over P: the slope of z for a face that looks down, of -z for one that looks up, so that both bounds are maxima; and the value of each bound at (0, 0),
 // -kMiss for a face that looks the other way.
@@ -23,7 +23,7 @@ vec4 planeOf(uint face, Affine X_PO) {
 }
 
 // Loads the planes of a body, the same for all invocations of a workgroup.
-#ifdef LOCKSTEP
+#ifdef ONE_VECTOR
 shared vec4 planes[NUM_FACES];
 void loadFaces(uint first, Affine X_PO) {
   for (uint f = gl_LocalInvocationIndex; f < NUM_FACES; f += WORKGROUP) planes[f] = planeOf(first + f, X_PO);

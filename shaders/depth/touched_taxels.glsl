@@ -2,8 +2,7 @@
 // LANES-th, as bits of a word and processes them in the order of all taxels, so that the sums are the same. Reads the planes of depth/polyhedron.glsl.
 
 const uint kRounds = (NUM_ROWS * NUM_COLS + LANES - 1u) / LANES;
-// No "||": Mesa 22.3 builds no pipeline with one in a constant expression.
-const bool kHasBounds = (uint(kOnlyPolyhedra) | uint(kOnlyRound)) != 0u;
+const bool kHasBounds = EITHER(kOnlyPolyhedra, kOnlyRound);
 const bool kSkipsTaxels = EARLY_EXIT && kHasBounds && NUM_ROWS > 0 && NUM_TILES == 1 && kRounds <= 32 &&
                          !MANY_SLOTS && SEARCH != kSearchInTile && SEARCH != kSearchEnded && RELAXATION == 0 && !kGlobalSolve;
 

@@ -10,8 +10,7 @@ const bool kLeavesUntouched = EARLY_EXIT && NUM_ROWS > 0 && RELAXATION == 0 && !
 // Whether all outputs of a tile outside pastWindow() are 0. Not after a search over tiles, which writes windows, but no shear and no Jacobian; nor where taxel
 // passes write other windows.
 const bool kKnowsPast = EARLY_EXIT && IS_LAST && NUM_ROWS > 0 && SEARCH != kSearchEnded && !kGlobalSolve;
-// One invocation per tile first finds the tiles that objects reach; then all invocations process these one after another: a software driver's vectors compute
-// all of a tile even where every lane has left. This does not pay where a large tile would be cleared every time, or where the workgroup has only one tile.
+// One invocation per tile first finds the tiles that objects reach; then all invocations process these one after another. This does not pay where a large tile would be cleared every time, or where the workgroup has only one tile.
 bool findsNear() { return kManySmallTiles || kLeavesUntouched && kKnowsPast && REPEAT > 1; }
 // Likewise the tiles whose load search has not ended, and those whose object is of the dispatch's kinds.
 bool listsTiles() { return findsNear() || (SEARCH == kSearchOverTiles || SELECTS_KINDS) && EARLY_EXIT && REPEAT > 1; }

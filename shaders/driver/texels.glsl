@@ -1,10 +1,10 @@
 // Four words of a buffer, loaded together, or one of them (wordOfFours). FOURS: an earlier dispatch has written them. COHERENT_FOURS: the same dispatch writes them, through a storage buffer,
 // with workgroupBarrierWithBuffers() between stores and loads.
 //
-// With LOCKSTEP or TEXEL_BUFFERS, which only software drivers run, the buffer is a texel buffer: these drivers check bounds and load per word and lane for a
+// With ONE_VECTOR or TEXEL_BUFFERS, which only software drivers run, the buffer is a texel buffer: these drivers check bounds and load per word and lane for a
 // storage buffer, but once per lane for a texel of 128 bits, so that even one word is better fetched as one of four. A GPU loads a uvec4 at once. Loads of a
 // storage texel buffer cost as much as those of a uniform one, but see stores of the same dispatch. Stores to it cost more than those of pairs of words.
-#if defined(LOCKSTEP) || defined(TEXEL_BUFFERS)
+#if defined(ONE_VECTOR) || defined(TEXEL_BUFFERS)
 #define FOURS(number, Name) layout(set = 0, binding = number) uniform usamplerBuffer Name
 #define fourOf(Name, index) texelFetch(Name, int(index))
 #define COHERENT_FOURS(number, Name) layout(rgba32ui, set = 0, binding = number) coherent readonly uniform uimageBuffer Name

@@ -13,7 +13,7 @@ vec4 chartOf(uint t) { return floatsOfFour(Taxels, kFoursOfTaxel * t); }
 vec4 readoutOf(uint t) { return floatsOfFour(Taxels, kFoursOfTaxel * t + 1u); }
 vec4 receptionOf(uint t) { return floatsOfFour(Taxels, kFoursOfTaxel * t + 2u); }
 
-// Whether a taxel of this force reports; `trigger`: N, of clean forces. Agrees with taxel_regions, which software drivers read more slowly.
+// Whether a taxel of this force reports; `trigger`: N, of clean forces. Agrees with taxel_regions, without reading them.
 bool reportsForce(float force, float trigger) { return force > (is_clean ? trigger : 0.0); }
 
 // The taxels of one row of an instance: the sensor's, a patch's or a region's.
@@ -68,7 +68,7 @@ vec3 inPlane(Part part, vec3 p) {
 // Position of a taxel in C, m.
 vec3 positionOf(Part part, uint t) {
   if (kOnePatch || part.is_grid) {
-    // The row by a float multiplication: divisions are slow on software drivers. It is half a taxel from the next row, far more than rounding.
+    // The row by a float multiplication instead of a division (driver/README.md). It is half a taxel from the next row, far more than rounding.
     float number = float(t - part.first);
     float i = floor((number + 0.5) * part.per_col);
     return vec3((vec2(i, number - i * part.size.y) - 0.5 * (part.size - 1.0)) * part.pitch.xy, 0);

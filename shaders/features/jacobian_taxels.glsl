@@ -6,7 +6,6 @@ vec2 readingOf(Part part, uint t) {
   float force = floatOfFours(SpreadNormal, part.instance * NUM_TAXELS + t);
   if (CLEAN) return vec2(force, 1);
   uvec2 seed = step_record.batch.zw;
-  // On a software driver loading two words of a taxel takes more time than the rest.
   vec2 readout = part.readout;
   if (!SAME_READOUT) readout = taxels[t].readout.xy;
   float gain = part.gains.x * readout.x;

@@ -1,5 +1,5 @@
 // Regions and core taxels of one grid of at most 32 x 32 taxels by one invocation, a bit per taxel in a word per row: the results of regions.glsl,
-// region_selection.glsl and core_taxels.glsl, from which software drivers take several times as long, since they load and store words of memory lane by lane.
+// region_selection.glsl and core_taxels.glsl without their loads and stores (driver/README.md).
 // Mutable globals: the words of the rows.
 
 const uint kMostBits = 32u;

@@ -35,7 +35,7 @@ Ridge noRidge() {
 }
 
 // Adds a taxel to the normal equations, from sum `first`: 15 moments of the weights, 6 right sides. `measured`: its force, N; `is_in_range`: it is in the part's
-// range; `is_in`: it is one of the part. No branches: software drivers select every sum between both sides of one.
+// range; `is_in`: it is one of the part. No branches (driver/README.md).
 void addToRidge(Part part, uint t, float measured, bool is_in_range, bool is_in, Ridge ridge, uint first, inout PartSums sums) {
   vec4 reception = receptionOf(t);
   float trigger = reception.z;
@@ -50,7 +50,7 @@ void addToRidge(Part part, uint t, float measured, bool is_in_range, bool is_in,
   for (uint k = 0; k < kRidgeUnknowns; ++k) logarithm += ridge.b[k] * monomials[k];
   logarithm = clamp(logarithm, kLeastLog, kMostLog);
   float expected = ridge.peak * exp(logarithm);
-  // Few divisions, which take most of a scan on software drivers: forces are compared as the taxel measures them.
+  // Few divisions (driver/README.md): forces are compared as the taxel measures them.
   float measurable = reception.w * expected, per_measurable = 1.0 / measurable;
   float excess = is_silent ? -1.0 : clamp(measured * per_measurable - 1.0, -1.0, 1.0);
   vec2 errors = vec2(ridge.noise, reception.w * kProfileError * ridge.peak) * (1.0 / kGainScatter);

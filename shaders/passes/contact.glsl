@@ -1,5 +1,7 @@
-// Constants of the contact pass that follow from those of contact.h. A software driver computes both sides of every branch and a loop's body at
-// least once, so what a model, sensor or batch does not need is left out by constants.
+// Constants of the contact pass that follow from those of contact.h. They leave out what a model, sensor
+// or batch does not need (driver/README.md).
+
+#include "driver/constants.glsl"
 
 const bool kHasMesh = (OBJECT_KINDS & 1u) != 0;
 const bool kHasAnalytic = (OBJECT_KINDS & ~1u) != 0;
@@ -10,7 +12,7 @@ const uint kIterationsOfTriangle = AREA ? kIterationsPerTriangleOfCells : kItera
 const bool kOnlyPolyhedra = OBJECT_KINDS == (1u << kKindPolyhedron);
 // Heights go through the tile, except for a single analytic solid, whose heights are computed where they are summed. A torus needs the tile since its heights
 // are expensive; the Jacobian needs it where the words of the neighbours of a row of samples do not fit into RowWords, skin/tile_pressures.glsl.
-const bool kReadsNeighbours = (uint(OUTPUT_JACOBIAN) & uint(SAMPLES > 4u)) != 0u;
+const bool kReadsNeighbours = BOTH(OUTPUT_JACOBIAN, SAMPLES > 4u);
 bool usesTile() { return AREA || kReadsNeighbours || kHasMesh || MANY_SLOTS || SEARCH == kSearchInTile || (OBJECT_KINDS & (1u << kKindTorus)) != 0; }
 
 // How triangles are drawn: depth/raster.glsl, depth/area/facets.glsl. The constant TRIANGLE_SIZES removes the ways that the model does not need, and the test of the only one.

@@ -4,7 +4,7 @@
 //   CONSTANT(id, type, NAME)         specialization constant; the host gives every one a value, so there are no defaults
 //   VALUE(kName, value)              uint that both languages need
 //   BUFFER(binding, access, Block)   storage buffer of set 0 with the array of this block, blocks.h; access: readonly, writeonly, readwrite, coherent
-//   UNIFORM(binding, Block)          uniform buffer of one record, which all invocations read at the same place: one load for all lanes of a software driver
+//   UNIFORM(binding, Block)          uniform buffer of one record, which all invocations read at the same index
 //   TEXELS(binding, Block)           read-only array that is fetched four words at a time by fourOf(), driver/texels.glsl
 //   COHERENT_TEXELS(binding, Block)  array that the same pass writes as a BUFFER of another block, and loadFour() reads four words at a time
 // src/simulation/passes/interfaces.h reads the same lists.

@@ -4,7 +4,7 @@
 // WHOLE_ARRAY (there are forces everywhere).
 
 const bool kOnePatch = NUM_ROWS > 0;
-// Scalars: Mesa 22.3 picks the wrong components where a specialization constant chooses between two vectors.
+// Scalars (driver/README.md).
 const uint kCols = kOnePatch ? NUM_COLS : kListCols;
 const uint kRows = kOnePatch ? NUM_ROWS : (NUM_TAXELS + kCols - 1) / kCols;
 

@@ -109,7 +109,7 @@ vec2 shearOf(uvec2 words) { return vec2(withoutSlot(words.x), uintBitsToFloat(wo
 
 // Shear traction (Pa) at the sample p of P under `pressure` (Pa), if the object in `slot` touches it and covers
 // `covered` of its cell; updates the sample's state. `only_motion`: as loadMotions() returned it.
-// Without branches, which cost software drivers more than what they skip.
+// Without branches (driver/README.md).
 vec2 shearTraction(inout uvec2 words, bool touches, uint slot, Motion only_motion, vec3 p, float covered, float pressure, float per_dt) {
   Motion motion = motionOf(slot, only_motion);
   bool known = motion.known, same_slot = slotOf(words.x) == slot;  // locals, because glslang branches on && with other operands

@@ -1,7 +1,7 @@
 // What samples keep between steps, in NUM_STATES words each: strain and overstresses of a skin that relaxes (skin/relaxation.glsl), the shear of each of their
 // points (skin/friction.glsl), and the depth for a law with damping.
 //
-// Four samples of a row keep a word each in one element of four words: software drivers fetch these at once (driver/texels.glsl). State of a tile: a rectangle
+// Four samples of a row keep a word each in one element of four words: these are loaded at once (driver/texels.glsl). State of a tile: a rectangle
 // of taxels whose shear and depth the step before has stored; one of taxels that objects have reached since reset (first row, end row, first col, end col, of
 // the tile); then NUM_STATES elements per taxel, row of samples and four samples. Samples outside of these rectangles have no state.
 // PastState is State. An invocation fetches the states of samples before it stores them, and no other invocation stores them.

@@ -146,11 +146,11 @@ float sampleHeight(Tile tile, TileStep step, uint address, vec2 position, inout 
 }
 
 const bool kHasStates = kStoresTouched || RELAXATION > 0;
-const bool kUnrollsRows = (uint(kHasStates) | uint(OUTPUT_JACOBIAN)) != 0u;
+const bool kUnrollsRows = EITHER(kHasStates, OUTPUT_JACOBIAN);
 const uint kSamplesAtOnce = kUnrollsRows ? 4u : 1u;  // of a row
 // The code of four samples exceeds a processor's cache for instructions.
 const uint kUnrolledSamples = kUnrollsRows ? 2u : 1u;
-const uint kUnrolledRows = kUnrollsRows ? 1u : 2u;  // four are slower on Mesa 25
+const uint kUnrolledRows = kUnrollsRows ? 1u : 2u;  // four take more time, driver/README.md
 
 // Words of the samples of a taxel's row and of the rows before and after it, as in the tile; kEmpty where there is no sample or no surface.
 struct RowWords {

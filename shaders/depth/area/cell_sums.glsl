@@ -1,13 +1,12 @@
 // Area sampling: sums over the cells of a tile, for one object at a time. Sums are integers, so that the order of facets does not matter.
 //
-// A software driver visits the lanes of a vector one after another for each atomic operation and each access to shared memory. With LOCKSTEP, which only
-// software drivers run, two sums are therefore one word of 64 bits: the second sum, plus 2^32 times the first. Otherwise, where an instance has one slot, the
-// sums of volume and share begin at the words of an empty tile: they take no more shared memory, so that a GPU's core has room for more workgroups.
-// Shared memory: 8 TILE_SAMPLES with LOCKSTEP or MANY_SLOTS, else 0; 12 TILE_SAMPLES with VARIATION.
+// With ONE_VECTOR two sums are one word of 64 bits (driver/README.md): the second sum, plus 2^32 times the first. Otherwise, where an instance has one slot,
+// the sums of volume and share begin at the words of an empty tile: they take no more shared memory, so that a GPU's core has room for more workgroups.
+// Shared memory: 8 TILE_SAMPLES with ONE_VECTOR or MANY_SLOTS, else 0; 12 TILE_SAMPLES with VARIATION.
 
 shared uint cell_squares[VARIATION ? TILE_SAMPLES : 1u];
 
-#ifdef LOCKSTEP
+#ifdef ONE_VECTOR
 #extension GL_EXT_shader_atomic_int64 : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 shared int64_t cell_volumes[AREA ? TILE_SAMPLES : 1u];       // and what is covered

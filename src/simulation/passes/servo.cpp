@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "servo_variants.h"
+#include "servo.spv.h"
 #include "simulation/passes/sizes.h"
 
 namespace taxelsim {
@@ -20,7 +20,7 @@ void ServoPass::record(Recorder recorder, const Variant& variant) const {
 gpu::PassKernel<ServoInterface> ServoPass::makeKernel(const Variant& variant) const {
   const PackedContactFeatures& packed = model_.packed_contact;
   const auto num_rows = static_cast<std::uint32_t>(numContactRows(packed, static_cast<int>(variant.max_regions)));
-  return {model_.context(), "servo", model_.profile.select(k_servo_variants, gpu::DriverProfile::kNoneWaits),
+  return {model_.context(), "servo", k_servo_spirv,
           commonConstants(model_.sensor, model_.packed, {.workgroup = gpu::DriverProfile::kIndependentWorkgroup}),
           ServoInterface{.CONTROL_PERIOD = variant.control_period,
                          .STARTS_AT_LOAD = variant.starts_at_load,

@@ -1,4 +1,4 @@
-// Rounds floats to integers, and divides small integers, without the operations that Mesa's software driver does lane by lane.
+// Rounds floats to integers, and divides small integers, without the operations that Mesa's software driver computes lane by lane.
 
 // The integer nearest to a float within +-2^22, from the last bits of the sum with 1.5 x 2^23, which is exact (module.cmake). On Mesa's newer software driver int() costs ten times as much.
 const float kMostWhole = 4194304.0;
