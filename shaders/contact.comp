@@ -3,18 +3,23 @@
 #extension GL_EXT_control_flow_attributes : require
 // Contact pass: stages 1 (depth) and 2 (contact law) of one frame, and the load search over one tile. Interface: passes/contact.h.
 //
-// A workgroup owns REPEAT tiles in sequence; tile number = instance NUM_TILES + tile of the sensor. An invocation owns boxes, then quads, then taxels.
+// A workgroup owns REPEAT tiles in sequence; tile number = instance NUM_TILES + tile of the sensor. An invocation owns boxes, then quads,
+// then taxels.
 // In:  poses (num_instances x those of the step), objects, groups, clusters, quads of triangles, faces, the sensor's patches and tiles.
 // Out: contact_normal (num_instances x num_taxels), N, divided by the part of the spread's kernel that stays on the sensor; contact_shear
-//      (num_instances x num_taxels x 2), N, likewise; contact_depth (num_instances x num_taxels), m; tile_results (num_instances x num_tiles);
-//      loads (num_instances); contact_cells (num_instances x num_taxels), tile_changes (num_instances x num_tiles x LANES), skin/cell_fluxes.glsl.
-//      A sensor of one tile writes taxels only inside the window of its result. For a globally coupled law contact_normal holds, instead of forces, the
-//      surface height (m, in P) at each solver node, with the slot in its lowest bits (depth/slots.glsl); kMiss without a surface. With AREA: node_cells instead.
+//      (num_instances x num_taxels x 2), N, likewise; contact_depth (num_instances x num_taxels), m; tile_results (num_instances x
+//      num_tiles); loads (num_instances); contact_cells (num_instances x num_taxels), tile_changes (num_instances x num_tiles x LANES),
+//      skin/cell_fluxes.glsl. A sensor of one tile writes taxels only inside the window of its result. For a globally coupled law
+//      contact_normal holds, instead of forces, the surface height (m, in P) at each solver node, with the slot in its lowest bits
+//      (depth/slots.glsl); kMiss without a surface. With AREA: node_cells instead.
 // State per sample, between steps: skin/sample_states.glsl.
-// Shared memory: 4 TILE_SAMPLES (9 with AREA, 17 with MANY_SLOTS or ONE_VECTOR, too) + 16 LANES + 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 4 REPEAT + 88 bytes; friction
-//      adds 8 LANES + 512, ONE_VECTOR 16 NUM_FACES, AREA with meshes 4 kMostFacets, VARIATION 16 TILE_SAMPLES.
-// Deterministic: the tile is a minimum of integers, which sum cells; LANES partial sums are added in a fixed order, whatever the size of the workgroup.
-// Mutable globals: own_partial (common/partial_sums.glsl), own_shear (skin/friction.glsl); any_unfinished_loop, num_iterations (driver/loop_limit.glsl); the planes of a polyhedron (depth/polyhedron.glsl).
+// Shared memory: 4 TILE_SAMPLES (9 with AREA, 17 with MANY_SLOTS or ONE_VECTOR, too) + 16 LANES + 4 kClustersPerBatch + 4 GROUPS_PER_BATCH
+//      + 4 REPEAT + 88 bytes; friction adds 8 LANES + 512, ONE_VECTOR 16 NUM_FACES, AREA with meshes 4 kMostFacets, VARIATION 16
+//      TILE_SAMPLES.
+// Deterministic: the tile is a minimum of integers, which sum cells; LANES partial sums are added in a fixed order, whatever the size of
+// the workgroup.
+// Mutable globals: own_partial (common/partial_sums.glsl), own_shear (skin/friction.glsl); any_unfinished_loop, num_iterations
+// (driver/loop_limit.glsl); the planes of a polyhedron (depth/polyhedron.glsl).
 // Twins: src/reference/depth.cpp, contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp, load.cpp.
 
 #include "driver/barrier.glsl"
@@ -62,7 +67,8 @@ const bool kManyMotions = kKeepsSlots && MANY_SLOTS;
 #include "depth/tile_sequence.glsl"
 #include "depth/untouched_tiles.glsl"
 
-// Loads a tile. False when the load search of its instance has ended, and for an instance that is held or of another dispatch: its results stay.
+// Loads a tile. False when the load search of its instance has ended, and for an instance that is held or of another dispatch: its results
+// stay.
 bool beginTile(uint instance, uint tile_number, out Tile tile) {
   tile = loadTile(tile_number);
   tile.z_base = -THICKNESS;
@@ -124,11 +130,11 @@ void main() {
   }
   uint k = 0;
   if (count > 0) do {
-    uint number = listsTiles() ? tile_list[k] : tileNumbered(places.x + k);
-    uint instance = number / NUM_TILES;
-    computeTile(instance, number - instance * NUM_TILES, step_record.batch.y);
-    workgroupBarrier();
-  } while (++k < count && !leavesNextTile());
+      uint number = listsTiles() ? tile_list[k] : tileNumbered(places.x + k);
+      uint instance = number / NUM_TILES;
+      computeTile(instance, number - instance * NUM_TILES, step_record.batch.y);
+      workgroupBarrier();
+    } while (++k < count && !leavesNextTile());
   checkLoop(k < count && !leavesNextTile());
   if (kLeavesTiles && gl_LocalInvocationIndex == 0) {
     for (; k < count; ++k) leaveTile(listsTiles() ? tile_list[k] : tileNumbered(places.x + k));

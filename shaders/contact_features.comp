@@ -1,12 +1,14 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-// Contact features pass: moments, edge angle under a window and of a fitted ridge, tilt of a flat face and type of the contact, of the sensor, of each of its
-// patches and of each region. Runs after contact_regions.comp.
+// Contact features pass: moments, edge angle under a window and of a fitted ridge, tilt of a flat face and type of the contact, of the
+// sensor, of each of its patches and of each region. Runs after contact_regions.comp.
 //
-// TEAM invocations share a part (one row of an instance); a workgroup has WORKGROUP / TEAM teams, and each team processes the same part of REPEAT instances in
-// sequence. The parts of a block of instances are in consecutive workgroups: most regions do not exist, and drivers give each thread consecutive workgroups.
-// In:  forces, N, and taxel_regions, shared/features.h (num_instances x num_taxels, features/taxel_words.glsl); regions (num_instances x REGIONS).
+// TEAM invocations share a part (one row of an instance); a workgroup has WORKGROUP / TEAM teams, and each team processes the same part of
+// REPEAT instances in sequence. The parts of a block of instances are in consecutive workgroups: most regions do not exist, and drivers
+// give each thread consecutive workgroups.
+// In:  forces, N, and taxel_regions, shared/features.h (num_instances x num_taxels, features/taxel_words.glsl); regions (num_instances x
+//      REGIONS).
 // Out: features (block after block, each num_instances x num_rows x components, shared/features.h).
 // Parts without force skip all scans but the first. The row of an only region is written with the sensor's (hasOnlyRegion()).
 // Shared memory: 4 PARTIALS + 4 bytes.
@@ -38,7 +40,8 @@ bool is_clean;  // whether features are those of the clean forces
 #include "features/tilt.glsl"
 #include "features/contact_type.glsl"
 
-void writeRow(uint row, uint num_rows, PlaneRecord plane, float patch_number, Moments moments, vec3 middle, Axes windowed, Axes ridge, Tilt tilt, float type) {
+void writeRow(uint row, uint num_rows, PlaneRecord plane, float patch_number, Moments moments, vec3 middle, Axes windowed, Axes ridge,
+              Tilt tilt, float type) {
   writeMoments(0, row, num_rows, moments, middle, plane.X_SC_row0, plane.X_SC_row1, plane.X_SC_row2);
   features[kContactWindowedEdgeAngle * num_rows + row] = windowed.angle;
   features[kContactWindowedEdgeConfidence * num_rows + row] = windowed.confidence;
@@ -65,7 +68,8 @@ float forceNoise(uint instance) {
   return is_clean ? 0.0 : sqrt(NOISE * NOISE + instanceRecord(instance).drive.w * instanceRecord(instance).drive.w) / SLOPE;
 }
 
-// Whether the condition holds for any team of the workgroup: all execute the same barriers. A team of one invocation has none, and decides alone.
+// Whether the condition holds for any team of the workgroup: all execute the same barriers. A team of one invocation has none, and decides
+// alone.
 bool isTrueForAnyTeam(bool condition) {
   if (TEAM == 1) return condition;
   if (gl_LocalInvocationIndex == 0) any_team = 0;
@@ -118,7 +122,9 @@ void computePart(uint instance, uint which, bool is_valid, uint num_instances) {
   if (part.is_grid) tilt = tiltOf(plane, core, mean_force);
   float any_type = typeOf(plane, second, moments.force), least_force = kNoiseFactor * noise;
   float region_type = moments.force > least_force * sqrt(num_reporting) ? any_type : kContactNone;
-  float type = which >= kFirstRegion ? region_type : moments.force > least_force * sqrt(float(part.end - part.first)) ? any_type : kContactNone;
+  float type = which >= kFirstRegion                                              ? region_type
+               : moments.force > least_force * sqrt(float(part.end - part.first)) ? any_type
+                                                                                  : kContactNone;
   uint num_rows = num_instances * kRows;
   uint row = instance * kRows + which + (kOnePatch && which > 0 ? 1 : 0);
   float patch_number = part.plane == LAST_PLANE ? -1.0 : float(part.plane);

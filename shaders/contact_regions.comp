@@ -3,10 +3,11 @@
 #extension GL_EXT_control_flow_attributes : require
 // Regions pass: which taxels that report are connected, and which of these regions are the largest. Runs before contact_features.comp.
 //
-// A workgroup has WORKGROUP / TEAM teams; each team processes REPEAT instances in sequence. An invocation owns every TEAM-th taxel of an instance.
+// A workgroup has WORKGROUP / TEAM teams; each team processes REPEAT instances in sequence. An invocation owns every TEAM-th taxel of an
+// instance.
 // In:  image (num_instances x num_taxels), counts, or in its place spread_normal, N, as feature_source says.
-// Out: forces, N, and taxel_regions, shared/features.h (num_instances x num_taxels, features/taxel_words.glsl); regions (num_instances x REGIONS), largest first,
-//      with kOnlyRegion; features: the number of all regions (num_instances). region_sums, likewise, is scratch.
+// Out: forces, N, and taxel_regions, shared/features.h (num_instances x num_taxels, features/taxel_words.glsl); regions (num_instances x
+//      REGIONS), largest first, with kOnlyRegion; features: the number of all regions (num_instances). region_sums, likewise, is scratch.
 // Shared memory: 16 WORKGROUP / TEAM bytes.
 // Deterministic: a region is named by its lowest taxel, whatever order taxels are united in; forces are summed as integers.
 // Mutable globals: is_clean; any_unfinished_loop (driver/loop_limit.glsl); the words of the rows (features/region_bits.glsl).
@@ -28,7 +29,7 @@ struct Instance {
   uint number;
   uint first_taxel;  // in image and spread_normal
   uint first_word;   // in forces, taxel_regions and region_sums
-  uint end;  // of its taxels; 0 where there is nothing to do
+  uint end;          // of its taxels; 0 where there is nothing to do
 };
 
 #include "common/workgroup.glsl"

@@ -1,13 +1,13 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Contacts pass: replaces stages 1 and 2 of one frame where another engine has found contacts and their forces; paper eq. (2), by the rule of
-// include/taxelsim/contact_point.h.
+// Contacts pass: replaces stages 1 and 2 of one frame where another engine has found contacts and their forces; paper eq. (2), by the rule
+// of include/taxelsim/contact_point.h.
 //
-// A workgroup has WORKGROUP / TEAM teams; each team processes REPEAT instances in sequence. Every invocation reads all contacts of its instance and adds up
-// those of its own taxels, lane, lane + TEAM, ...: no sum crosses invocations.
+// A workgroup has WORKGROUP / TEAM teams; each team processes REPEAT instances in sequence. Every invocation reads all contacts of its
+// instance and adds up those of its own taxels, lane, lane + TEAM, ...: no sum crosses invocations.
 // In:  contacts (num_instances x room for contacts), num_contacts (num_instances), the sensor's patches.
-// Out: contact_normal (num_instances x num_taxels), N, divided by the part of the spread's kernel that stays on the sensor; tile_results (num_instances x
-//      num_tiles), the whole result in that of the first tile; features of contacts outside the taxels.
+// Out: contact_normal (num_instances x num_taxels), N, divided by the part of the spread's kernel that stays on the sensor; tile_results
+//      (num_instances x num_tiles), the whole result in that of the first tile; features of contacts outside the taxels.
 // Shared memory: none.
 // Deterministic: forces are added in the order in which the contacts were given.
 // Mutable globals: any_unfinished_loop (driver/loop_limit.glsl).

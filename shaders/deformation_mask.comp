@@ -1,13 +1,14 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Pass of the law deformation_mask, after the contact pass: the force on a taxel also deforms its neighbours, by a mask, and every taxel saturates; where one
-// does, the forces of all taxels are scaled so that their sum is the contact force again. include/taxelsim/sensor.h, DeformationMask.
+// Pass of the law deformation_mask, after the contact pass: the force on a taxel also deforms its neighbours, by a mask, and every taxel
+// saturates; where one does, the forces of all taxels are scaled so that their sum is the contact force again. include/taxelsim/sensor.h,
+// DeformationMask.
 //
 // A workgroup has WORKGROUP / TEAM teams, each of which owns an instance; an invocation owns rows of taxels, as in the image pass.
-// In:  contact_normal (num_instances x num_taxels), N, on one grid patch divided by the part of the mask that stays on the sensor; tile_results
-//      (num_instances x num_tiles); mask (MASK_SOURCES / 2 x num_taxels): two sources of every taxel of another sensor.
-// Out: masked_normal (num_instances x num_taxels), N, divided by the part of the spread's kernel that stays on the sensor; on a grid of one tile only around
-//      the window of its result. law_state (num_instances x num_taxels), .x: force before it is scaled, N.
+// In:  contact_normal (num_instances x num_taxels), N, on one grid patch divided by the part of the mask that stays on the sensor;
+//      tile_results (num_instances x num_tiles); mask (MASK_SOURCES / 2 x num_taxels): two sources of every taxel of another sensor.
+// Out: masked_normal (num_instances x num_taxels), N, divided by the part of the spread's kernel that stays on the sensor; on a grid of one
+//      tile only around the window of its result. law_state (num_instances x num_taxels), .x: force before it is scaled, N.
 // Shared memory: 8 PARTIALS bytes.
 // Deterministic: sums run over at most LANES partial sums in a fixed order, whatever the size of team and workgroup.
 // Mutable globals: any_unfinished_loop (driver/loop_limit.glsl).
@@ -84,7 +85,8 @@ void maskRows(uint first_taxel, ImageWindow window, uint i, inout vec2 sums, ino
     here = after;
     after = columnAt(first_taxel, window, ivec2(at) + ivec2(0, 1));
     writeTaxel(first_taxel, t, masked(before.xyz, here.xyz, after.xyz), most, row);
-    if (kRowsAtOnce > 1 && i + 1 < window.count.x) writeTaxel(first_taxel, t + kCols, masked(before.yzw, here.yzw, after.yzw), most, next_row);
+    if (kRowsAtOnce > 1 && i + 1 < window.count.x)
+      writeTaxel(first_taxel, t + kCols, masked(before.yzw, here.yzw, after.yzw), most, next_row);
   }
   checkLoop(j < window.count.y);
   sums += row;

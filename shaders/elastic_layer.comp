@@ -4,19 +4,21 @@
 //
 //   A p = d where p > 0,   A p >= d where p = 0;      d = target + shift
 //
-// solved by conjugate gradients with an active set (elastic_layer/solver.glsl). An instance that is driven by its pose has shift 0, and its target is the
-// signed overlap. For an instance that is driven by load, the target is the shape of the surface below its lowest point, the shift is the depth of that point,
-// and pressures are scaled so that their sum is the load in every iteration. Displacements are in thicknesses; a pressure is given as the displacement that it
-// causes at its own node, so that A has ones on its diagonal.
+// solved by conjugate gradients with an active set (elastic_layer/solver.glsl). An instance that is driven by its pose has shift 0, and its
+// target is the signed overlap. For an instance that is driven by load, the target is the shape of the surface below its lowest point, the
+// shift is the depth of that point, and pressures are scaled so that their sum is the load in every iteration. Displacements are in
+// thicknesses; a pressure is given as the displacement that it causes at its own node, so that A has ones on its diagonal.
 //
-// A workgroup owns an instance; an invocation owns strips of kStrip nodes along a row. Only strips in a window around the contact are visited.
-// In:  heights (num_instances x num_nodes), m, with slots in their lowest bits (depth/slots.glsl), and windows (num_instances x NUM_HEIGHT_TILES), from the
-//      contact pass, with area sampling node_cells (num_instances x num_nodes x kNodeCellWords);
-//      influence (node rows x 2 strips of a row, elastic_layer/influence.glsl); with friction motions (num_instances x those of the step).
-// Out: contact_normal (num_instances x num_taxels), N; contact_shear (num_instances x num_taxels x 2), N; contact_depth (num_instances x num_taxels), m;
-//      tile_results (num_instances); loads (num_instances); features of the solution; with OUTPUT_JACOBIAN taxel_jacobian (num_instances x 6 x num_taxels), N/m
-//      and N/rad, and wrench_jacobian (num_instances x 6 x 6).
-// State: pressures, from which the next frame starts; with relaxation strain and overstresses of every node, with area sampling also compliances of dents; with friction their shear traction.
+// A workgroup owns an instance; an invocation owns strips of kStrip nodes along a row. Only strips in a window around the contact are
+// visited.
+// In:  heights (num_instances x num_nodes), m, with slots in their lowest bits (depth/slots.glsl), and windows (num_instances x
+//      NUM_HEIGHT_TILES), from the contact pass, with area sampling node_cells (num_instances x num_nodes x kNodeCellWords); influence
+//      (node rows x 2 strips of a row, elastic_layer/influence.glsl); with friction motions (num_instances x those of the step).
+// Out: contact_normal (num_instances x num_taxels), N; contact_shear (num_instances x num_taxels x 2), N; contact_depth (num_instances x
+//      num_taxels), m; tile_results (num_instances); loads (num_instances); features of the solution; with OUTPUT_JACOBIAN taxel_jacobian
+//      (num_instances x 6 x num_taxels), N/m and N/rad, and wrench_jacobian (num_instances x 6 x 6).
+// State: pressures, from which the next frame starts; with relaxation strain and overstresses of every node, with area sampling also
+// compliances of dents; with friction their shear traction.
 // Shared memory: 16 LANES + 8 NODE_ROWS + 12 bytes; with friction 8 LANES + 512 bytes more.
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
 // Mutable globals: any_unfinished_loop (driver/loop_limit.glsl); own_partial (common/partial_sums.glsl), own_shear (skin/friction.glsl).
@@ -33,7 +35,7 @@
 
 const float kMiss = kNoHeight;  // height where there is no surface
 const bool kShears = FRICTION;
-const bool FLAT = false;        // the patch's frame may be any
+const bool FLAT = false;  // the patch's frame may be any
 
 shared uint num_deep;  // nodes of taxels at full depth
 

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Pass that finds candidates: the quads of a mesh that may cover a sample while the instance's object stays within the bounds that keep_candidates.comp has
-// set.
+// Pass that finds candidates: the quads of a mesh that may cover a sample while the instance's object stays within the bounds that
+// keep_candidates.comp has set.
 //
 // A workgroup owns REPEAT instances of a list in sequence; an invocation owns boxes, then quads.
 // In:  poses, objects, groups, clusters, quads of triangles, the sensor's patch, a work list.

@@ -1,12 +1,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Gradient pass, at the caller's wish after a frame: pulls the gradient of a loss by the forces of taxels, gain x spread_normal, back to the six coordinates of
-// the sensor's twist and to the gains. The transpose of the spread is applied to the gradient, once for all coordinates; its result weighs the contact
-// forces' derivatives.
+// Gradient pass, at the caller's wish after a frame: pulls the gradient of a loss by the forces of taxels, gain x spread_normal, back to
+// the six coordinates of the sensor's twist and to the gains. The transpose of the spread is applied to the gradient, once for all
+// coordinates; its result weighs the contact forces' derivatives.
 //
 // TEAM invocations share an instance; a workgroup has WORKGROUP / TEAM teams, and each team processes REPEAT instances in sequence.
-// In:  taxel_jacobian (num_instances x 6 x num_taxels), N/m and N/rad; spread_normal (num_instances x num_taxels), N; cotangents and force_cotangents
-//      (num_instances x num_taxels), per N.
+// In:  taxel_jacobian (num_instances x 6 x num_taxels), N/m and N/rad; spread_normal (num_instances x num_taxels), N; cotangents and
+//      force_cotangents (num_instances x num_taxels), per N.
 // Out: twist_gradient (num_instances x 6), per m and per rad; gain_gradient (num_instances x num_taxels).
 // Shared memory: 4 PARTIALS bytes.
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of team, workgroup and batch.

@@ -3,12 +3,12 @@
 #extension GL_EXT_control_flow_attributes : require
 // Image pass: stages 3 (spread), 4 (time), 5 (readout) and 6 (features) of one frame.
 //
-// A workgroup has WORKGROUP / TEAM teams; each team processes REPEAT instances in sequence. An invocation owns rows of taxels, so that it fetches the sources
-// of a row once. A team may be one invocation (driver/README.md).
-// In:  contact_normal (num_instances x num_taxels), N; contact_shear (num_instances x num_taxels x 2), N; tile_results (num_instances x num_tiles); the
-//      spread's kernel or lists.
-// Out: image (num_instances x num_taxels), counts; spread_normal, N, and spread_shear, N, of the same shapes as their inputs; features (block after block,
-//      shared/features.h).
+// A workgroup has WORKGROUP / TEAM teams; each team processes REPEAT instances in sequence. An invocation owns rows of taxels, so that it
+// fetches the sources of a row once. A team may be one invocation (driver/README.md).
+// In:  contact_normal (num_instances x num_taxels), N; contact_shear (num_instances x num_taxels x 2), N; tile_results (num_instances x
+//      num_tiles); the spread's kernel or lists.
+// Out: image (num_instances x num_taxels), counts; spread_normal, N, and spread_shear, N, of the same shapes as their inputs; features
+//      (block after block, shared/features.h).
 // State: taxel_states (num_instances x states x num_taxels), readout/lag.glsl; image_windows (num_instances).
 // Shared memory: 4 PARTIALS bytes.
 // Deterministic: sums run over at most LANES partial sums in a fixed order, whatever the size of team and workgroup.
@@ -40,7 +40,8 @@ const uint kContactMargin = MARGIN, kSpreadRadius = KERNEL / 2;
 #include "features/moments.glsl"
 #include "features/image_features.glsl"
 
-// Reads out all rows of the window. Returns the sums over the instance, the same for every invocation of its team. `num_parts`: partial sums of the team.
+// Reads out all rows of the window. Returns the sums over the instance, the same for every invocation of its team. `num_parts`: partial
+// sums of the team.
 ImageSums readImage(Instance instance, Kernel kernel, Lag lag, uint lane, uint num_parts, uvec2 seed) {
   ImageSums total = noSums();
   uint first_partial = gl_LocalInvocationIndex / TEAM * kNumSums * LANES;

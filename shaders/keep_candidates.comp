@@ -1,11 +1,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Pass that keeps candidates: decides for which instances the quads that find_candidates.comp has found still suffice for the contact pass (temporal
-// coherence). First pass of a frame of a batch with meshes.
+// Pass that keeps candidates: decides for which instances the quads that find_candidates.comp has found still suffice for the contact pass
+// (temporal coherence). First pass of a frame of a batch with meshes.
 //
-// A quad that covers no sample now, nor after any motion of its object within the bounds, is no candidate until the object leaves the bounds. The bounds are
-// some steps of the motion so far, so that the cost of finding candidates is shared by the steps that use them. An object that moves too fast has no
-// candidates, and the contact pass culls its mesh. Candidates are tested exactly, so that results do not depend on which path an instance takes.
+// A quad that covers no sample now, nor after any motion of its object within the bounds, is no candidate until the object leaves the
+// bounds. The bounds are some steps of the motion so far, so that the cost of finding candidates is shared by the steps that use them. An
+// object that moves too fast has no candidates, and the contact pass culls its mesh. Candidates are tested exactly, so that results do not
+// depend on which path an instance takes.
 //
 // An invocation owns an instance.
 // In:  poses, objects, the sensor's patch.
@@ -20,13 +21,13 @@
 #include "passes/declare.glsl"
 #include "passes/keep_candidates.h"
 
-// Measured with the path `candidates` (docs/performance.md). Finding costs once per so many steps, larger bounds cost in each of them; the total is least when the number of steps is
-// inversely proportional to the square root of the speed.
-const float kStepsAhead = 2.0;       // at a speed of one sample spacing per step
+// Measured with the path `candidates` (docs/performance.md). Finding costs once per so many steps, larger bounds cost in each of them; the
+// total is least when the number of steps is inversely proportional to the square root of the speed.
+const float kStepsAhead = 2.0;  // at a speed of one sample spacing per step
 const float kMaxStepsAhead = 32.0;
-const float kMaxMotion = 0.4;        // of the sample spacing, over all these steps
-const float kMinMotion = 1.0 / 64;   // of the sample spacing; bounds of an object at rest
-const float kMinStepsAhead = 3.0;    // fewer do not pay
+const float kMaxMotion = 0.4;       // of the sample spacing, over all these steps
+const float kMinMotion = 1.0 / 64;  // of the sample spacing; bounds of an object at rest
+const float kMinStepsAhead = 3.0;   // fewer do not pay
 
 const float kMiss = kNoHeight;
 
@@ -47,10 +48,12 @@ void reachedPart(Tile tile, Body body, out vec3 center, out vec3 half_size) {
   half_size = 0.5 * max(high - low, 0.0) * vec3(tile.spacing, 1);
 }
 
-// Bounds of the motion along x, y, z of P (m) of any point of the object that is or comes into the part of the tile. A point outside that part by r in the
-// maximum norm moves by at most a r more than a point inside, where a is the rotation's largest row sum; since it comes in, r is at most its motion.
+// Bounds of the motion along x, y, z of P (m) of any point of the object that is or comes into the part of the tile. A point outside that
+// part by r in the maximum norm moves by at most a r more than a point inside, where a is the rotation's largest row sum; since it comes
+// in, r is at most its motion.
 void motionBounds(Tile tile, CandidateRecord before, Affine X_PO, out vec3 low, out vec3 high) {
-  mat3 R = transpose(mat3(X_PO.row0.xyz, X_PO.row1.xyz, X_PO.row2.xyz)) * mat3(before.row0.xyz, before.row1.xyz, before.row2.xyz);  // R_new R_old^T
+  mat3 R = transpose(mat3(X_PO.row0.xyz, X_PO.row1.xyz, X_PO.row2.xyz)) *
+           mat3(before.row0.xyz, before.row1.xyz, before.row2.xyz);  // R_new R_old^T
   vec3 p_old = vec3(before.row0.w, before.row1.w, before.row2.w), p_new = vec3(X_PO.row0.w, X_PO.row1.w, X_PO.row2.w);
   mat3 rotation = R - mat3(1);
   mat3 size = mat3(abs(rotation[0]), abs(rotation[1]), abs(rotation[2]));
@@ -92,8 +95,8 @@ uint listOf(Tile tile, uint instance) {
   high = max(share * steps * per_step * high, 0.0) + margin;
   vec3 center, half_size;
   reachedPart(tile, body, center, half_size);
-  candidates[instance] = CandidateRecord(body.X_PO.row0, body.X_PO.row1, body.X_PO.row2, vec4(center, wait), vec4(half_size, share), vec4(low, 0),
-                                         vec4(high, 0), uvec4(suits ? uint(id + 1) : 0u, kNoCandidates, 0, 0));
+  candidates[instance] = CandidateRecord(body.X_PO.row0, body.X_PO.row1, body.X_PO.row2, vec4(center, wait), vec4(half_size, share),
+                                         vec4(low, 0), vec4(high, 0), uvec4(suits ? uint(id + 1) : 0u, kNoCandidates, 0, 0));
   return known && wait == 0.0 && steps >= kMinStepsAhead ? kListFindCandidates : kListWholeMesh;
 }
 

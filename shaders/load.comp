@@ -1,13 +1,13 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Load search pass, over all tiles of a sensor: computes the next offset after each evaluation by the contact pass. For sensors that are not one tile in a
-// plane z = const of S; on those contact.comp searches by itself.
+// Load search pass, over all tiles of a sensor: computes the next offset after each evaluation by the contact pass. For sensors that are
+// not one tile in a plane z = const of S; on those contact.comp searches by itself.
 //
-// The load is the force of the objects along -z of S, without friction. That force falls as the offset grows: the bracket's lower bound carries too much (or sinks
-// deeper than the skin), its upper bound too little. Regula falsi alternates with bisection; with area sampling the force is a continuous function with a slope,
-// and Newton's method replaces both once the object touches. A float resolves an offset of 0.1 m to 7e-9 m, 7e-5 of a depth of
-// 0.1 mm: once the bracket is a few of these steps wide, the offset stays and its rest is searched, LoadRecord.
-// An invocation owns one instance.
+// The load is the force of the objects along -z of S, without friction. That force falls as the offset grows: the bracket's lower bound
+// carries too much (or sinks deeper than the skin), its upper bound too little. Regula falsi alternates with bisection; with area sampling
+// the force is a continuous function with a slope, and Newton's method replaces both once the object touches. A float resolves an offset of
+// 0.1 m to 7e-9 m, 7e-5 of a depth of 0.1 mm: once the bracket is a few of these steps wide, the offset stays and its rest is searched,
+// LoadRecord. An invocation owns one instance.
 // In:  tile_results (num_instances x num_tiles): the forces at the offset that was tried.
 // Out: loads (num_instances): the next offset, or that the search has ended.
 // Shared memory: none.
@@ -18,10 +18,10 @@
 #include "passes/declare.glsl"
 #include "passes/load.h"
 
-const float kTolerance = 1e-6;  // of the load; some ten roundings of a float
-const float kAccepted = 1e-3;   // of the load, when the bracket is as narrow as floats allow
-const float kDeeper = 1e30;     // stands for the force at an offset at which a sample is deeper than the skin
-const float kCoarse = 3e-8;     // m: width of the bracket where the search of the rest begins
+const float kTolerance = 1e-6;      // of the load; some ten roundings of a float
+const float kAccepted = 1e-3;       // of the load, when the bracket is as narrow as floats allow
+const float kDeeper = 1e30;         // stands for the force at an offset at which a sample is deeper than the skin
+const float kCoarse = 3e-8;         // m: width of the bracket where the search of the rest begins
 const float kFine = 1e-12;          // m: width of the bracket where it ends
 const float kRestBracket = 1.5e-7;  // m: half of its width where Newton's method begins it
 const float kNoStep = 1e30;         // m

@@ -3,8 +3,8 @@
 // Tactile Jacobian of the law deformation_mask, first half: differentiates deformation_mask.comp. The derivative of a saturated taxel is 0.
 //
 // An invocation owns one taxel of one instance.
-// In:  taxel_jacobian (num_instances x 6 x num_taxels); mask (MASK_SOURCES / 2 x num_taxels): two sources of every taxel; law_state (num_instances x num_taxels): forces after the
-//      mask, N. LAW_0: saturation pressure, Pa.
+// In:  taxel_jacobian (num_instances x 6 x num_taxels); mask (MASK_SOURCES / 2 x num_taxels): two sources of every taxel; law_state
+//      (num_instances x num_taxels): forces after the mask, N. LAW_0: saturation pressure, Pa.
 // Out: masked_jacobian (num_instances x 6 x num_taxels).
 // Shared memory: none.
 // Twin: src/reference/tactile_jacobian.cpp.

@@ -1,12 +1,13 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Pass of the law mass_spring_damper, after the contact pass: every taxel is a mass on a spring and a damper, pushed by the contact force; its reading is the
-// force in its spring. include/taxelsim/sensor.h, MassSpringDamper.
+// Pass of the law mass_spring_damper, after the contact pass: every taxel is a mass on a spring and a damper, pushed by the contact force;
+// its reading is the force in its spring. include/taxelsim/sensor.h, MassSpringDamper.
 //
 // An invocation owns one taxel of one instance.
-// In:  contact_normal (num_instances x num_taxels), N, of the contact pass; contact_shear (num_instances x num_taxels x 2), N, with SHEAR; step_record.law:
-//      exp(A dt) of the taxel's motion about rest, by rows.
-// Out: contact_normal, contact_shear, for the spread; law_state (num_instances x num_taxels): force in the spring (N) and its rate (N/s), kept between steps.
+// In:  contact_normal (num_instances x num_taxels), N, of the contact pass; contact_shear (num_instances x num_taxels x 2), N, with SHEAR;
+//      step_record.law: exp(A dt) of the taxel's motion about rest, by rows.
+// Out: contact_normal, contact_shear, for the spread; law_state (num_instances x num_taxels): force in the spring (N) and its rate (N/s),
+//      kept between steps.
 // Shared memory: none.
 // Twin: src/reference/taxel_laws.cpp.
 

@@ -1,11 +1,11 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Tactile Jacobian of the law deformation_mask, second half: differentiates the scale of deformation_mask.comp. With scale = pressed / carried, the
-// derivative of scale r is scale r' + scale' r.
+// Tactile Jacobian of the law deformation_mask, second half: differentiates the scale of deformation_mask.comp. With scale = pressed /
+// carried, the derivative of scale r is scale r' + scale' r.
 //
 // An invocation owns one coordinate of the twist of one instance.
-// In:  masked_jacobian (num_instances x 6 x num_taxels): r'; law_state (num_instances x num_taxels): r, N; tile_results (num_instances x num_tiles): pressed,
-//      N.
+// In:  masked_jacobian (num_instances x 6 x num_taxels): r'; law_state (num_instances x num_taxels): r, N; tile_results (num_instances x
+//      num_tiles): pressed, N.
 // In, out: taxel_jacobian (num_instances x 6 x num_taxels), for the spread.
 // Shared memory: none. Deterministic: taxels are summed in order.
 // Twin: src/reference/tactile_jacobian.cpp.

@@ -5,7 +5,8 @@
 // next frame.
 //
 // An invocation owns an instance.
-// In:  loop_starts (num_instances), servos, the features of the frame: features, and servo_features, which is the same array or contact features.
+// In:  loop_starts (num_instances), servos, the features of the frame: features, and servo_features, which is the same array or contact
+//      features.
 // Out: poses (num_instances) of the next frame; object_poses and sensor_poses of this frame (num_instances x 7: position, rotation w, x, y,
 //      z), actions (num_instances x 6: v, w) after it, robot_status of the motion before it; with MANIPULATOR joint_positions and
 //      joint_velocities (num_instances x NUM_JOINTS) of this frame. Rows of instances without an episode stay as they are.

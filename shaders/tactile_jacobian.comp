@@ -1,12 +1,13 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-// Tactile Jacobian pass, last step: differentiates total force, centre of pressure and edge angle of the sensor and its
-// patches by the six coordinates of the sensor's twist. Runs after the image pass; of clean forces, or of what the readout makes of them before noise.
+// Tactile Jacobian pass, last step: differentiates total force, centre of pressure and edge angle of the sensor and its patches by the six
+// coordinates of the sensor's twist. Runs after the image pass; of clean forces, or of what the readout makes of them before noise.
 //
-// TEAM invocations share a part (one row of an instance); a workgroup has WORKGROUP / TEAM teams, and each team processes REPEAT parts in sequence. Parts of
-// the same kind of all instances are consecutive.
-// In:  spread_normal (num_instances x num_taxels), N; taxel_jacobian (num_instances x 6 x num_taxels); wrench_jacobian (num_instances x num_tiles x 6 x 6).
+// TEAM invocations share a part (one row of an instance); a workgroup has WORKGROUP / TEAM teams, and each team processes REPEAT parts in
+// sequence. Parts of the same kind of all instances are consecutive.
+// In:  spread_normal (num_instances x num_taxels), N; taxel_jacobian (num_instances x 6 x num_taxels); wrench_jacobian (num_instances x
+//      num_tiles x 6 x 6).
 // Out: features (block after block, each num_instances x num_rows x components x 6, then the wrench's, shared/features.h).
 // Shared memory: 4 PARTIALS bytes.
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of team and workgroup.

@@ -1,11 +1,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Tactile Jacobian pass, first step, after the contact pass: derivatives of every taxel's contact force by the sensor's twist (v at the origin of S and w, in S)
-// while the objects stay. The sensor's twist is minus the objects' twist seen from S.
+// Tactile Jacobian pass, first step, after the contact pass: derivatives of every taxel's contact force by the sensor's twist (v at the
+// origin of S and w, in S) while the objects stay. The sensor's twist is minus the objects' twist seen from S.
 //
 // An invocation owns a taxel of one instance.
 // In:  contact_cells (num_instances x num_taxels), as skin/cell_fluxes.glsl leaves them.
-// Out: taxel_jacobian (num_instances x 6 x num_taxels), N/m and N/rad, over the part of the spread's kernel that stays on the sensor where SCALED.
+// Out: taxel_jacobian (num_instances x 6 x num_taxels), N/m and N/rad, over the part of the spread's kernel that stays on the sensor where
+//      SCALED.
 // Shared memory: none.
 // Twin: src/reference/tactile_jacobian.cpp.
 

@@ -36,7 +36,8 @@ vec3 hysteresis(uint instance, uint taxel, vec3 force) {
 float gainOf(uint instance, uint taxel) {
   vec4 drive = instanceRecord(instance).drive;
   float gain = drive.y * taxels[taxel].readout.x;
-  if (RANDOM && drive.z > 0.0) gain *= exp(drive.z * gaussian(step_record.batch.zw, instanceRecord(instance).keys.xy, 0, taxel, kPurposeTaxelGain));
+  if (RANDOM && drive.z > 0.0)
+    gain *= exp(drive.z * gaussian(step_record.batch.zw, instanceRecord(instance).keys.xy, 0, taxel, kPurposeTaxelGain));
   return gain;
 }
 
@@ -57,7 +58,8 @@ void main() {
   uint taxel = number - instance * NUM_TAXELS;
   vec3 force = hysteresis(instance, taxel, vec3(spread_shear[2 * number], spread_shear[2 * number + 1], spread_normal[number]));
   if (!hasNewValues(instance, false)) return;
-  vec3 signal = vec3(dot(vec3(GAIN_XX, GAIN_XY, GAIN_XZ), force), dot(vec3(GAIN_YX, GAIN_YY, GAIN_YZ), force), dot(vec3(GAIN_ZX, GAIN_ZY, GAIN_ZZ), force));
+  vec3 signal = vec3(dot(vec3(GAIN_XX, GAIN_XY, GAIN_XZ), force), dot(vec3(GAIN_YX, GAIN_YY, GAIN_YZ), force),
+                     dot(vec3(GAIN_ZX, GAIN_ZY, GAIN_ZZ), force));
   vec3 counts = gainOf(instance, taxel) * signal + noiseOf(instance, taxel);
   counts = clamp(floor(counts + 0.5), -SATURATION, SATURATION);
   for (uint a = 0; a < 3; ++a) taxel_counts[3 * number + a] = int(counts[a]);

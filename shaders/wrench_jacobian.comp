@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Tactile Jacobian pass, after the contact pass: derivatives of every tile's wrench by the sensor's twist (v at the origin of S and w, in S) while the objects
-// stay. The sensor's twist is minus the objects' twist seen from S.
+// Tactile Jacobian pass, after the contact pass: derivatives of every tile's wrench by the sensor's twist (v at the origin of S and w, in
+// S) while the objects stay. The sensor's twist is minus the objects' twist seen from S.
 //
 // An invocation owns a tile of one instance.
 // In:  tile_changes (num_instances x num_tiles x LANES), as skin/cell_fluxes.glsl leaves them.
@@ -28,7 +28,8 @@ void writeWrench(uint instance, uint tile_number) {
   if (HAS_FORCES && tile_changes[tile * LANES * kTileChanges] < kNoHeight) {
     for (uint v = 0; v < LANES; ++v) {
       uint first = (tile * LANES + v) * kTileChanges;
-      for (uint k = 0; k < 6; ++k) change[k] += vec3(tile_changes[first + 3 * k], tile_changes[first + 3 * k + 1], tile_changes[first + 3 * k + 2]);
+      for (uint k = 0; k < 6; ++k)
+        change[k] += vec3(tile_changes[first + 3 * k], tile_changes[first + 3 * k + 1], tile_changes[first + 3 * k + 2]);
     }
   }
   Affine X_PS = patchPose(tiles[tile_number].place.x);

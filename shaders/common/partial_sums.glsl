@@ -1,4 +1,5 @@
-// Reduction over LANES partial sums in a fixed order, so that a sum does not depend on the size of the workgroup. Shared memory: 16 LANES bytes.
+// Reduction over LANES partial sums in a fixed order, so that a sum does not depend on the size of the workgroup. Shared memory: 16 LANES
+// bytes.
 // Included after driver/vector_sums.glsl. Mutable globals: own_partial.
 
 shared vec4 partial[LANES];

@@ -1,7 +1,9 @@
 // Where a patch is on the sensor. In: patches (shared/sensor.h).
 
 // Patch from sensor.
-Affine patchPose(uint patch_number) { return Affine(patchRecord(patch_number).row0, patchRecord(patch_number).row1, patchRecord(patch_number).row2); }
+Affine patchPose(uint patch_number) {
+  return Affine(patchRecord(patch_number).row0, patchRecord(patch_number).row1, patchRecord(patch_number).row2);
+}
 
 // A vector in P, and the origin of P, in S.
 vec3 toSensor(Affine X_PS, vec3 v) { return X_PS.row0.xyz * v.x + X_PS.row1.xyz * v.y + X_PS.row2.xyz * v.z; }

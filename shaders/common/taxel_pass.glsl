@@ -1,5 +1,5 @@
-// Shared by the passes that some laws run over the taxels between the contact and the image pass: the forces that contact has left (N), and those that the
-// spread takes (N).
+// Shared by the passes that some laws run over the taxels between the contact and the image pass: the forces that contact has left (N), and
+// those that the spread takes (N).
 
 #include "shared/batch.h"
 #include "shared/sensor.h"
@@ -21,7 +21,9 @@ bool isWritten(uint instance, uint taxel) {
   return at.x >= window.x && at.x < window.y && at.y >= window.z && at.y < window.w;
 }
 
-float contactForce(uint instance, uint taxel) { return isWritten(instance, taxel) ? floatOfFours(ForceFours, instance * NUM_TAXELS + taxel) : 0.0; }
+float contactForce(uint instance, uint taxel) {
+  return isWritten(instance, taxel) ? floatOfFours(ForceFours, instance * NUM_TAXELS + taxel) : 0.0;
+}
 
 vec2 contactShear(uint instance, uint taxel) {
   uint first = 2 * (instance * NUM_TAXELS + taxel);

@@ -3,9 +3,7 @@ struct Affine {
   vec4 row0, row1, row2;
 };
 
-vec3 apply(Affine X, vec3 p) {
-  return vec3(dot(X.row0.xyz, p) + X.row0.w, dot(X.row1.xyz, p) + X.row1.w, dot(X.row2.xyz, p) + X.row2.w);
-}
+vec3 apply(Affine X, vec3 p) { return vec3(dot(X.row0.xyz, p) + X.row0.w, dot(X.row1.xyz, p) + X.row1.w, dot(X.row2.xyz, p) + X.row2.w); }
 
 // X_AC from X_AB and X_BC.
 Affine compose(Affine X_AB, Affine X_BC) {

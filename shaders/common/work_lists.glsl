@@ -16,4 +16,6 @@ uint newEntry(uint row, uint per_workgroup) {
   return at;
 }
 
-void appendToList(uint list, uint instance, uint per_workgroup) { work_instances[placeInList(list, newEntry(list, per_workgroup))] = instance; }
+void appendToList(uint list, uint instance, uint per_workgroup) {
+  work_instances[placeInList(list, newEntry(list, per_workgroup))] = instance;
+}

@@ -1,17 +1,18 @@
-// Height of analytic solids over a sample: the lowest z in P (m) at which the ray p = (x, y, z), z rising, is inside the solid; kMiss where it never is,
-// kBottomless where the solid extends down to infinity. Solids as in include/taxelsim/object.h. Twin: src/reference/analytic.cpp.
+// Height of analytic solids over a sample: the lowest z in P (m) at which the ray p = (x, y, z), z rising, is inside the solid; kMiss where
+// it never is, kBottomless where the solid extends down to infinity. Solids as in include/taxelsim/object.h. Twin:
+// src/reference/analytic.cpp.
 
 // The constant OBJECT_KINDS removes the code of solids that the model does not have, and the test of a solid that is the only one.
 bool isKind(uint kind, uint wanted) { return OBJECT_KINDS == (1u << wanted) || ((OBJECT_KINDS & (1u << wanted)) != 0 && kind == wanted); }
 
 const float kBottomless = -1e30;
 
-// A half-space looks down on a sample if the z of its unit normal exceeds this. One that does not is at full depth where it holds the sample, and nowhere else: a
-// floor behind the sensor or a wall beside it does not press.
+// A half-space looks down on a sample if the z of its unit normal exceeds this. One that does not is at full depth where it holds the
+// sample, and nowhere else: a floor behind the sensor or a wall beside it does not press.
 const float kLeastDescent = 1e-6;
 
-// Rays go along z of P. Their points are o + t d in O, where t = 0 is at the height of O's origin; `from`: the ray from O's origin, across, in P. What does not
-// depend on the ray, such as reciprocals, compilers move out of loops over samples.
+// Rays go along z of P. Their points are o + t d in O, where t = 0 is at the height of O's origin; `from`: the ray from O's origin, across,
+// in P. What does not depend on the ray, such as reciprocals, compilers move out of loops over samples.
 //
 // Parts of a ray inside a convex set are intervals [near, far] of t; an empty one has near > far.
 vec2 slab(float o, float d, float low, float high) {
@@ -28,7 +29,8 @@ vec2 insideSphere(vec2 from, float radius) {
   return vec2(-reach, reach);
 }
 
-// `axis`: its unit vector in P. A ray passes the axis at a distance that is linear in `from`, and comes closest at a height that is linear in it, too.
+// `axis`: its unit vector in P. A ray passes the axis at a distance that is linear in `from`, and comes closest at a height that is linear
+// in it, too.
 vec2 insideInfiniteCylinder(vec2 from, vec3 axis, float radius) {
   float across = dot(axis.xy, axis.xy);
   if (across < 1e-12) return dot(from, from) <= radius * radius ? vec2(kBottomless, kMiss) : vec2(kMiss, kBottomless);
@@ -84,8 +86,9 @@ float torusDistance(vec3 p, float major_radius, float minor_radius) {
   return length(vec2(length(p.xy) - major_radius, p.z)) - minor_radius;
 }
 
-// Sphere tracing on the exact distance, from the near side of the torus's bounding sphere. A ray that passes the tube at a small gap takes about
-// pi sqrt(minor_radius / gap) steps; one that takes more than kSteps counts as a hit, so that the tube seems thicker by 1e-5 of its radius at most.
+// Sphere tracing on the exact distance, from the near side of the torus's bounding sphere. A ray that passes the tube at a small gap takes
+// about pi sqrt(minor_radius / gap) steps; one that takes more than kSteps counts as a hit, so that the tube seems thicker by 1e-5 of its
+// radius at most.
 float torusHeight(vec2 from, vec3 o, vec3 d, float major_radius, float minor_radius) {
   const int kSteps = 1024;
   // m; a ray that stays farther away all along misses. Nearer than the rounding of t, a step would not advance.
@@ -134,7 +137,8 @@ float analyticEntry(uint kind, vec4 parameters, Affine X_PO, vec2 from) {
   return inside.x <= inside.y ? inside.x : kMiss;
 }
 
-// Height over the sample at `xy` of P. `X_PO`: pose of the solid in P; the faces of a polyhedron have been loaded (loadFaces()). `z_floor`: Tile.
+// Height over the sample at `xy` of P. `X_PO`: pose of the solid in P; the faces of a polyhedron have been loaded (loadFaces()). `z_floor`:
+// Tile.
 float analyticHeight(uint kind, vec4 parameters, Affine X_PO, vec2 xy, float z_floor, inout Found found) {
   if (isKind(kind, kKindPolyhedron)) return polyhedronHeight(xy, z_floor, found);
   float t = analyticEntry(kind, parameters, X_PO, xy - vec2(X_PO.row0.w, X_PO.row1.w));

@@ -7,9 +7,9 @@ const float kSampleReach = AREA ? 0.5 : 0.0;
 struct Body {
   uvec4 kind_groups;  // ObjectRecord
   Affine X_PO;
-  Affine to_samples;          // from O to (u, v, z): samples, samples, m
-  vec3 center, half_size;     // bounds, in (u, v, z)
-  bool near;                  // reaches into the tile
+  Affine to_samples;       // from O to (u, v, z): samples, samples, m
+  vec3 center, half_size;  // bounds, in (u, v, z)
+  bool near;               // reaches into the tile
 };
 
 bool outsideTile(Tile tile, vec3 center, vec3 half_size) {
@@ -57,5 +57,6 @@ Body bodyInSlot(Tile tile, uint slot_index, int id) {
 // Samples of the tile that a body's bounds may cover, with a margin of one sample, since the boxes of its clusters are slightly larger.
 Box samplesUnder(Tile tile, Body body) {
   vec2 low = floor(body.center.xy - body.half_size.xy - 1e-3), high = ceil(body.center.xy + body.half_size.xy + 1e-3);
-  return Box(wholeNumbers(clamp(low, tile.first, tile.end) - tile.first), wholeNumbers(clamp(high, tile.first - 1.0, tile.end - 1.0) - tile.first));
+  return Box(wholeNumbers(clamp(low, tile.first, tile.end) - tile.first),
+             wholeNumbers(clamp(high, tile.first - 1.0, tile.end - 1.0) - tile.first));
 }

@@ -1,5 +1,5 @@
-// The taxel that a contact point belongs to, by the rule of include/taxelsim/contact_point.h. Lengths in m; points p_SQ_S in S. `band`: height over the skin up
-// to which contacts count. Twin: src/reference/contact_points.cpp.
+// The taxel that a contact point belongs to, by the rule of include/taxelsim/contact_point.h. Lengths in m; points p_SQ_S in S. `band`:
+// height over the skin up to which contacts count. Twin: src/reference/contact_points.cpp.
 
 const float kRimTolerance = 1e-6;  // m, include/taxelsim/contact_point.h
 const uint kNoCell = 0xFFFFFFFFu;

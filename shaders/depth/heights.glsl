@@ -1,8 +1,9 @@
-// Stage 1 of the contact pass: which objects reach into a tile, and the lowest surface over each of its samples (depth/tile_heights.glsl). Heights in m, in P.
+// Stage 1 of the contact pass: which objects reach into a tile, and the lowest surface over each of its samples (depth/tile_heights.glsl).
+// Heights in m, in P.
 // Twin: src/reference/depth.cpp.
 
-// Lowers the heights of the tile to an analytic solid, sample by sample over its bounds. For a globally coupled law this includes heights at or above the
-// reach, which the Jacobian reads: a batch without loads uses no tile and has them too.
+// Lowers the heights of the tile to an analytic solid, sample by sample over its bounds. For a globally coupled law this includes heights
+// at or above the reach, which the Jacobian reads: a batch without loads uses no tile and has them too.
 void rasterAnalytic(Tile tile, Body body, vec4 parameters, uint slot, inout Found found) {
   vec2 low = max(floor(body.center.xy - body.half_size.xy), tile.first);
   vec2 end = min(ceil(body.center.xy + body.half_size.xy) + 1.0, tile.end);
@@ -35,23 +36,25 @@ struct Reach {
   Box samples;         // that their bounds may cover
   float lowest_bound;  // m, lower bound of their surfaces in P; kMiss without any
   Body body;
-  int id;              // -1: the slot is empty
+  int id;  // -1: the slot is empty
 };
 
-// Whether a face of the object's bounds has what the tile sees in front of it: surfaces over its samples between z_floor and z_limit. The bounds in P of an
-// object that is turned against the tile, as against most taxels of a curved sensor, are much larger than the object. Only rejects bodies of which no sample
-// sees anything. A load search looks below z_floor as well.
+// Whether a face of the object's bounds has what the tile sees in front of it: surfaces over its samples between z_floor and z_limit. The
+// bounds in P of an object that is turned against the tile, as against most taxels of a curved sensor, are much larger than the object.
+// Only rejects bodies of which no sample sees anything. A load search looks below z_floor as well.
 const bool kTestsFaces = NUM_ROWS == 0 && SEARCH == kNoSearch;
 bool isInFrontOfFace(Tile tile, Body body, int id) {
   const float kMargin = 1e-6;  // m, more than the rounding of poses and of the lattice of a mesh
   ObjectRecord object = objectOf(id);
   vec2 spread = (kSampleReach + 1e-3) * tile.spacing;
-  vec3 low = vec3(samplePosition(tile, tile.first) - spread, tile.z_floor), high = vec3(samplePosition(tile, tile.end - 1.0) + spread, tile.z_limit);
+  vec3 low = vec3(samplePosition(tile, tile.first) - spread, tile.z_floor),
+       high = vec3(samplePosition(tile, tile.end - 1.0) + spread, tile.z_limit);
   Affine X = body.X_PO;
   mat3 R_OP = mat3(X.row0.xyz, X.row1.xyz, X.row2.xyz);  // by columns
   vec3 half_size = 0.5 * (high - low);
   vec3 offset = R_OP * (0.5 * (low + high) - vec3(X.row0.w, X.row1.w, X.row2.w)) - object.center.xyz;
-  vec3 reach = abs(X.row0.xyz) * half_size.x + abs(X.row1.xyz) * half_size.y + abs(X.row2.xyz) * half_size.z + object.half_size.xyz * (1.0 + 1e-6) + kMargin;
+  vec3 reach = abs(X.row0.xyz) * half_size.x + abs(X.row1.xyz) * half_size.y + abs(X.row2.xyz) * half_size.z +
+               object.half_size.xyz * (1.0 + 1e-6) + kMargin;
   return any(greaterThan(abs(offset), reach));
 }
 
@@ -66,7 +69,8 @@ const bool kBoundsRound = (OBJECT_KINDS & kRoundKinds) != 0 && !kGlobalSolve;
 void boundRound(Tile tile, vec4 parameters, inout Body body) {
   RoundPart part = roundPartBelow(tile.z_limit, body.kind_groups.x, parameters, body.X_PO);
   vec2 middle = (part.middle - tile.corner) / tile.spacing, half_size = halfSizeOf(part) / tile.spacing;
-  vec2 first = max(middle - half_size, body.center.xy - body.half_size.xy), last = min(middle + half_size, body.center.xy + body.half_size.xy);
+  vec2 first = max(middle - half_size, body.center.xy - body.half_size.xy),
+       last = min(middle + half_size, body.center.xy + body.half_size.xy);
   body.center.xy = 0.5 * (first + last);
   body.half_size.xy = 0.5 * (last - first);
   body.near = body.near && part.exists && all(lessThanEqual(first, last)) && !outsideTile(tile, body.center, body.half_size);
@@ -139,8 +143,8 @@ void rasterBody(Tile tile, uint instance, uint slot, Body body, int id, inout Fo
   if (sums_cells) takeCells(tile, boxAround(found.samples), slot, found);
 }
 
-// Lowers the heights of the tile to all near objects; a pass that does not use the tile loads what analyticHeight() needs. Returns the samples that the
-// surfaces may cover.
+// Lowers the heights of the tile to all near objects; a pass that does not use the tile loads what analyticHeight() needs. Returns the
+// samples that the surfaces may cover.
 Box rasterHeights(Tile tile, uint instance, uint num_slots, inout Reach reach, inout Found found) {
   if (!usesTile()) {
     if (isKind(reach.body.kind_groups.x, kKindPolyhedron)) loadFaces(reach.body.kind_groups.y, reach.body.X_PO);

@@ -1,12 +1,13 @@
-// Culling of a mesh's groups and clusters of quads against a tile. The includer defines visitListedQuads(), which is called with all quads that may cover a
-// sample below Tile::z_limit and some others, listedQuad(i) for i < count, and the struct Found, which it updates. All invocations call it.
+// Culling of a mesh's groups and clusters of quads against a tile. The includer defines visitListedQuads(), which is called with all quads
+// that may cover a sample below Tile::z_limit and some others, listedQuad(i) for i < count, and the struct Found, which it updates. All
+// invocations call it.
 // In: objects, groups, clusters, quads (shared/objects.h).
 // Shared memory: 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 8 bytes.
 
 void visitListedQuads(Tile tile, MeshView view, uint count, inout Found found);
 
 const uint kClustersPerBatch = GROUPS_PER_BATCH * kClustersPerGroup;
-shared uint group_list[GROUPS_PER_BATCH];      // first cluster | (how many - 1) << kFirstBits
+shared uint group_list[GROUPS_PER_BATCH];  // first cluster | (how many - 1) << kFirstBits
 shared uint cluster_list[kClustersPerBatch];
 shared uint num_listed_groups;
 shared uint num_listed_clusters;
@@ -78,25 +79,26 @@ bool clusterAt(uint place, out uint cluster) {
   return at <= group >> kFirstBits;
 }
 
-// Visits all quads of the clusters of the listed groups that reach into the tile. All invocations call it after a barrier; it ends with one.
+// Visits all quads of the clusters of the listed groups that reach into the tile. All invocations call it after a barrier; it ends with
+// one.
 void visitListedGroups(Tile tile, MeshView view, inout Found found) {
   const uint kRounds = 32;  // whose clusters are collected as bits, so that one atomicAdd makes room for all that an invocation finds
   uint lane = gl_LocalInvocationIndex, num_places = num_listed_groups * kClustersPerGroup;
   uint start = 0, cluster;
   if (num_places > 0) do {
-    uint i = start, end = min(start + kRounds * WORKGROUP, num_places), reaching = 0, bit = 1;
-    do {
-      if (i + lane < end && clusterAt(i + lane, cluster) && boxReaches(tile, view, fourOf(Clusters, cluster).xyz)) reaching |= bit;
-      bit <<= 1;
-      i += WORKGROUP;
-    } while (i < end);
-    uint at = atomicAdd(num_listed_clusters, uint(bitCount(reaching)));
-    for (; reaching != 0; reaching &= reaching - 1u) {
-      clusterAt(start + lane + uint(findLSB(reaching)) * WORKGROUP, cluster);
-      cluster_list[at++] = cluster;
-    }
-    start += kRounds * WORKGROUP;
-  } while (start < num_places);
+      uint i = start, end = min(start + kRounds * WORKGROUP, num_places), reaching = 0, bit = 1;
+      do {
+        if (i + lane < end && clusterAt(i + lane, cluster) && boxReaches(tile, view, fourOf(Clusters, cluster).xyz)) reaching |= bit;
+        bit <<= 1;
+        i += WORKGROUP;
+      } while (i < end);
+      uint at = atomicAdd(num_listed_clusters, uint(bitCount(reaching)));
+      for (; reaching != 0; reaching &= reaching - 1u) {
+        clusterAt(start + lane + uint(findLSB(reaching)) * WORKGROUP, cluster);
+        cluster_list[at++] = cluster;
+      }
+      start += kRounds * WORKGROUP;
+    } while (start < num_places);
   checkLoop(start < num_places);
   workgroupBarrier();
   countIterations(num_listed_groups * kClustersPerGroup);

@@ -1,12 +1,12 @@
-// Height of a convex polyhedron over a sample, m, in P: a ray is inside from where it has passed all faces that look down to where it meets the first that
-// looks up. Twin: src/reference/depth.cpp, which rasterizes the triangles.
+// Height of a convex polyhedron over a sample, m, in P: a ray is inside from where it has passed all faces that look down to where it meets
+// the first that looks up. Twin: src/reference/depth.cpp, which rasterizes the triangles.
 //
 // The faces' planes over the patch are computed once per body.
 // Mutable globals, because arrays passed as arguments would be copied per sample: face_slopes, face_lows, face_highs, row_planes.
 // Shared memory: with ONE_VECTOR 16 NUM_FACES bytes.
 
-// Planes over P: the slope of z for a face that looks down, of -z for one that looks up, so that both bounds are maxima; and the value of each bound at (0, 0),
-// -kMiss for a face that looks the other way.
+// Planes over P: the slope of z for a face that looks down, of -z for one that looks up, so that both bounds are maxima; and the value of
+// each bound at (0, 0), -kMiss for a face that looks the other way.
 vec2 face_slopes[NUM_FACES];
 float face_lows[NUM_FACES], face_highs[NUM_FACES];
 

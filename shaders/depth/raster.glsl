@@ -1,4 +1,5 @@
-// Rasterizes triangles of meshes into the tile's heights; an invocation draws one triangle or two that share an edge. Twin: src/reference/depth.cpp (rays).
+// Rasterizes triangles of meshes into the tile's heights; an invocation draws one triangle or two that share an edge. Twin:
+// src/reference/depth.cpp (rays).
 //
 // Coverage is exact, in integers, with the coordinates of depth/subpixels.glsl. Rows run along u. Heights z are floats, in m, in P.
 
@@ -11,14 +12,14 @@ float visibleHeight(Tile tile, bool outside, float z, inout Found found) {
   return !outside && isVisible(tile, z, found) ? z : kMiss;
 }
 
-// Half-space test for small triangles, two that share the edge from q to r, (p, q, r) and (r, q, s): every sample of the bounding box is tested against the
-// five edges. No edge is longer than 2^kSmallEdgeBits units, so that 32 bits hold the products. A sample on the shared edge belongs to both triangles.
+// Half-space test for small triangles, two that share the edge from q to r, (p, q, r) and (r, q, s): every sample of the bounding box is
+// tested against the five edges. No edge is longer than 2^kSmallEdgeBits units, so that 32 bits hold the products. A sample on the shared
+// edge belongs to both triangles.
 //
-//    p ------ r      Edge functions are updated incrementally: by one amount from a sample of a row to the next, by another from the end of a row to the
-//    |      / |      start of the next row. For a back-facing triangle all signs are flipped: its mask is ~0, and (e + mask) ^ mask is negative where -e
-//    |    /   |      is. A sample is covered unless the sign of the three results or-ed together is set.
-//    |  /     |
-//    q ------ s      The three edge functions add up to twice the triangle's area everywhere, so that one of them need not be updated.
+//    p ------ r      Edge functions are updated incrementally: by one amount from a sample of a row to the next, by another from the end of
+//    a row to the |      / |      start of the next row. For a back-facing triangle all signs are flipped: its mask is ~0, and (e + mask) ^
+//    mask is negative where -e |    /   |      is. A sample is covered unless the sign of the three results or-ed together is set. |  /
+//    | q ------ s      The three edge functions add up to twice the triangle's area everywhere, so that one of them need not be updated.
 void rasterBySamples(Tile tile, MeshView view, Vertex p, Vertex q, Vertex r, Vertex s, inout Found found) {
   if (p.z >= tile.z_limit && q.z >= tile.z_limit && r.z >= tile.z_limit && s.z >= tile.z_limit) return;
   ivec2 first = firstSample(view, min(min(p.at, q.at), min(r.at, s.at)));
@@ -42,8 +43,10 @@ void rasterBySamples(Tile tile, MeshView view, Vertex p, Vertex q, Vertex r, Ver
   if (area_p == 0) area_p = -1;
   if (area_s == 0) area_s = -1;
 
-  ivec2 along_qr = (r.at - q.at) << view.subpixel_bits, along_rp = (p.at - r.at) << view.subpixel_bits, along_qs = (s.at - q.at) << view.subpixel_bits;
-  int wrap_qr = -along_qr.y - steps.y * along_qr.x, wrap_rp = -along_rp.y - steps.y * along_rp.x, wrap_qs = -along_qs.y - steps.y * along_qs.x;
+  ivec2 along_qr = (r.at - q.at) << view.subpixel_bits, along_rp = (p.at - r.at) << view.subpixel_bits,
+        along_qs = (s.at - q.at) << view.subpixel_bits;
+  int wrap_qr = -along_qr.y - steps.y * along_qr.x, wrap_rp = -along_rp.y - steps.y * along_rp.x,
+      wrap_qs = -along_qs.y - steps.y * along_qs.x;
 
   int stride = int(tile.stride);
   int address = first.x * stride + first.y, row_end = address + steps.y, last_address = last.x * stride + last.y;
@@ -109,9 +112,21 @@ void rasterBySpans(Tile tile, MeshView view, Vertex p, Vertex q, Vertex r, inout
 
   // Sort by u.
   Vertex top = p, middle = q, bottom = r;
-  if (top.at.x > middle.at.x) { Vertex swap = top; top = middle; middle = swap; }
-  if (middle.at.x > bottom.at.x) { Vertex swap = middle; middle = bottom; bottom = swap; }
-  if (top.at.x > middle.at.x) { Vertex swap = top; top = middle; middle = swap; }
+  if (top.at.x > middle.at.x) {
+    Vertex swap = top;
+    top = middle;
+    middle = swap;
+  }
+  if (middle.at.x > bottom.at.x) {
+    Vertex swap = middle;
+    middle = bottom;
+    bottom = swap;
+  }
+  if (top.at.x > middle.at.x) {
+    Vertex swap = top;
+    top = middle;
+    middle = swap;
+  }
 
   ivec2 first = firstSample(view, ivec2(top.at.x, min(top.at.y, min(middle.at.y, bottom.at.y))));
   ivec2 last = lastSample(tile, view, ivec2(bottom.at.x, max(top.at.y, max(middle.at.y, bottom.at.y))));
@@ -124,7 +139,8 @@ void rasterBySpans(Tile tile, MeshView view, Vertex p, Vertex q, Vertex r, inout
   if (determinant == 0.0) return;
   float per_sample = float(1 << view.subpixel_bits) / determinant;
   float rise_middle = middle.z - top.z, rise_bottom = bottom.z - top.z;
-  vec2 gradient = vec2(rise_middle * to_bottom.y - rise_bottom * to_middle.y, to_middle.x * rise_bottom - to_bottom.x * rise_middle) * per_sample;
+  vec2 gradient =
+      vec2(rise_middle * to_bottom.y - rise_bottom * to_middle.y, to_middle.x * rise_bottom - to_bottom.x * rise_middle) * per_sample;
   vec2 top_sample = vec2(top.at) / float(1 << view.subpixel_bits);
 
   bool any_visible = false;

@@ -1,5 +1,6 @@
-// The part of a sphere, capsule or cylinder that is lower than a level lies within the solid's radius of its axis, which is cut where it is more than the
-// radius above the level; the lowest point of what remains reaches farthest. Seen from above it is within `reach` of a segment.
+// The part of a sphere, capsule or cylinder that is lower than a level lies within the solid's radius of its axis, which is cut where it is
+// more than the radius above the level; the lowest point of what remains reaches farthest. Seen from above it is within `reach` of a
+// segment.
 
 const uint kRoundKinds = 1u << kKindSphere | 1u << kKindCapsule | 1u << kKindCylinder;
 const bool kOnlyRound = (OBJECT_KINDS & ~kRoundKinds) == 0;

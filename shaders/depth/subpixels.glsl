@@ -1,5 +1,5 @@
-// Vertices of a mesh seen from a tile: (u, v) in units of 2^-subpixel_bits of the samples' spacing, from the tile's first sample; z in m, in P. Sample (a, b)
-// is at (a, b) << subpixel_bits.
+// Vertices of a mesh seen from a tile: (u, v) in units of 2^-subpixel_bits of the samples' spacing, from the tile's first sample; z in m,
+// in P. Sample (a, b) is at (a, b) << subpixel_bits.
 
 struct Vertex {
   ivec2 at;
@@ -8,10 +8,10 @@ struct Vertex {
 
 // How the mesh in one slot is seen from a tile.
 struct MeshView {
-  Affine from_lattice;            // from the mesh's lattice to (u, v, z)
-  int subpixel_bits;              // ObjectRecord
-  bool large;                     // the mesh has large triangles, ObjectRecord
-  bool closed;                    // and is closed; with AREA
+  Affine from_lattice;  // from the mesh's lattice to (u, v, z)
+  int subpixel_bits;    // ObjectRecord
+  bool large;           // the mesh has large triangles, ObjectRecord
+  bool closed;          // and is closed; with AREA
   uint slot;
   ivec2 motion_low, motion_high;  // by how much the mesh may still move along u and v, in units; 0 in the contact pass
 };

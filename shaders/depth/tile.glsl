@@ -2,22 +2,22 @@
 // In: patches, tiles (shared/sensor.h).
 
 struct Tile {
-  Affine X_PS;         // patch from sensor
-  vec2 spacing;        // of samples
-  float sample_area;   // m^2
-  float force_area;    // m^2: sample_area times the instance's factor on the skin's stiffness
-  vec2 corner;         // of sample (0, 0) of the patch, in P
-  uvec4 grid;          // of the patch, PatchRecord
-  uvec2 first_taxel;   // row and column in the patch
-  uvec2 size;          // in taxels
-  uint stride;         // samples of a row
-  vec2 first, end;     // in samples of the patch, half-open
-  float z_limit;       // surfaces at or above cannot touch
-  float z_floor;       // surfaces below are the far side of the body and are ignored
-  float z_base;        // that the heights of the tile count from
-  float level;         // of the undeformed skin, below a float's resolution of the poses: what a load search adds to depths
-  float deepest;       // of the object whose cells are summed, at most, m; depth/area/cell_depths.glsl
-  float offset_z;      // by which a load search over several tiles has moved the objects along z of S
+  Affine X_PS;        // patch from sensor
+  vec2 spacing;       // of samples
+  float sample_area;  // m^2
+  float force_area;   // m^2: sample_area times the instance's factor on the skin's stiffness
+  vec2 corner;        // of sample (0, 0) of the patch, in P
+  uvec4 grid;         // of the patch, PatchRecord
+  uvec2 first_taxel;  // row and column in the patch
+  uvec2 size;         // in taxels
+  uint stride;        // samples of a row
+  vec2 first, end;    // in samples of the patch, half-open
+  float z_limit;      // surfaces at or above cannot touch
+  float z_floor;      // surfaces below are the far side of the body and are ignored
+  float z_base;       // that the heights of the tile count from
+  float level;        // of the undeformed skin, below a float's resolution of the poses: what a load search adds to depths
+  float deepest;      // of the object whose cells are summed, at most, m; depth/area/cell_depths.glsl
+  float offset_z;     // by which a load search over several tiles has moved the objects along z of S
 };
 
 // Samples of the tile: first and last row and column, inclusive; empty where a last is before its first.

@@ -1,14 +1,15 @@
 // The lowest surface over each sample of a tile: height over Tile::z_base, m, with the slot in its lowest bits (depth/slots.glsl).
 //
-// The bits of a non-negative float order like the float itself, so atomicMin keeps minima and the order of triangles does not matter. The array is empty
-// between two tiles: every tile clears the samples that it has written.
+// The bits of a non-negative float order like the float itself, so atomicMin keeps minima and the order of triangles does not matter. The
+// array is empty between two tiles: every tile clears the samples that it has written.
 // Shared memory: 4 TILE_SAMPLES + 16 bytes.
 
 const uint kEmpty = 0x7F7FFFFFu;  // the largest finite float, as bits: no surface over the sample
 shared uint tile_heights[TILE_SAMPLES];
-shared uint cell_shares[AREA ? TILE_SAMPLES : 1u];  // with AREA, the covered share of a cell as the bits of a float, negative at the skin's full thickness; or its sum
-shared uint cell_variations[VARIATION ? TILE_SAMPLES : 1u];        // variationOf(), depth/area/cell_depths.glsl
-const uint kWhole = 0x3F800000u;  // the bits of 1.0
+shared uint cell_shares[AREA ? TILE_SAMPLES : 1u];  // with AREA, the covered share of a cell as the bits of a float, negative at the skin's
+                                                    // full thickness; or its sum
+shared uint cell_variations[VARIATION ? TILE_SAMPLES : 1u];  // variationOf(), depth/area/cell_depths.glsl
+const uint kWhole = 0x3F800000u;                             // the bits of 1.0
 // Whether cells keep their shares for stage 2. If not, it needs to know only which cells are at the full thickness, which Found counts.
 bool keepsShares() { return AREA && (MANY_SLOTS || VARIATION || OUTPUT_JACOBIAN || SEARCH == kSearchOverTiles); }
 shared int active_box[4];  // first row, last row, first col, last col; not IN_VECTOR
@@ -67,7 +68,8 @@ void clearSamples(Tile tile, Box box) {
   }
 }
 
-// The box around the boxes of all invocations, which all call boxAround(). One of them calls startBoxes() before, with a barrier in between.
+// The box around the boxes of all invocations, which all call boxAround(). One of them calls startBoxes() before, with a barrier in
+// between.
 void startBoxes() {
   if (IN_VECTOR) return;
   active_box[0] = active_box[2] = 0x7FFFFFFF;

@@ -1,5 +1,5 @@
-// Tiles that no object is near: how they are found, and their outputs. Outputs of the taxels of other tiles that nothing reaches. The includer defines
-// beginTile(), which loads a tile, and is false for one that this dispatch does not compute.
+// Tiles that no object is near: how they are found, and their outputs. Outputs of the taxels of other tiles that nothing reaches. The
+// includer defines beginTile(), which loads a tile, and is false for one that this dispatch does not compute.
 
 bool beginTile(uint instance, uint tile_number, out Tile tile);
 
@@ -7,10 +7,11 @@ bool beginTile(uint instance, uint tile_number, out Tile tile);
 const bool kManySmallTiles = EARLY_EXIT && NUM_ROWS == 0 && NUM_TILES > 1 && RELAXATION == 0;
 // Other tiles that nothing reaches: their workgroups leave early. A load search in the tile has to say that it found nothing.
 const bool kLeavesUntouched = EARLY_EXIT && NUM_ROWS > 0 && RELAXATION == 0 && !kGlobalSolve && !OUTPUT_JACOBIAN && SEARCH != kSearchInTile;
-// Whether all outputs of a tile outside pastWindow() are 0. Not after a search over tiles, which writes windows, but no shear and no Jacobian; nor where taxel
-// passes write other windows.
+// Whether all outputs of a tile outside pastWindow() are 0. Not after a search over tiles, which writes windows, but no shear and no
+// Jacobian; nor where taxel passes write other windows.
 const bool kKnowsPast = EARLY_EXIT && IS_LAST && NUM_ROWS > 0 && SEARCH != kSearchEnded && !kGlobalSolve;
-// One invocation per tile first finds the tiles that objects reach; then all invocations process these one after another. This does not pay where a large tile would be cleared every time, or where the workgroup has only one tile.
+// One invocation per tile first finds the tiles that objects reach; then all invocations process these one after another. This does not pay
+// where a large tile would be cleared every time, or where the workgroup has only one tile.
 bool findsNear() { return kManySmallTiles || kLeavesUntouched && kKnowsPast && REPEAT > 1; }
 // Likewise the tiles whose load search has not ended, and those whose object is of the dispatch's kinds.
 bool listsTiles() { return findsNear() || (SEARCH == kSearchOverTiles || SELECTS_KINDS) && EARLY_EXIT && REPEAT > 1; }
@@ -27,8 +28,8 @@ bool anyObjectNear(Tile tile, uint instance, uint num_slots) {
 // Taxels of the patch that the last step may have written: first row, end row, first column, end column. `result`: of the tile.
 uvec4 pastWindow(uint result) { return fourOf(ResultFours, 3u * result + 2u); }
 
-// Clears the outputs of a tile's taxels that are not active; `invocation` of `num_invocations`. The image pass reads no forces outside the window of a sensor of
-// one tile with a kernel.
+// Clears the outputs of a tile's taxels that are not active; `invocation` of `num_invocations`. The image pass reads no forces outside the
+// window of a sensor of one tile with a kernel.
 void clearTaxels(Tile tile, uint instance, uint result, ActiveTaxels active_taxels, uint invocation, uint num_invocations) {
   const bool kClearsForces = OUTPUT_JACOBIAN || NUM_TILES > 1 || NUM_ROWS == 0 || HAS_CELLS;
   if (!(kClearsForces || OUTPUT_DEPTH)) return;
@@ -65,7 +66,8 @@ void clearTile(Tile tile, uint instance, uint tile_number, uint invocation, uint
   tile_results[result] = TileResult(vec4(0), vec4(0), uvec4(0));
 }
 
-// Lists the tiles from `first` to `end` that are to be computed, and writes the outputs of those that no object is near. Returns how many are listed.
+// Lists the tiles from `first` to `end` that are to be computed, and writes the outputs of those that no object is near. Returns how many
+// are listed.
 uint listTiles(uint first, uint end) {
   if (gl_LocalInvocationIndex == 0) num_listed_tiles = 0;
   workgroupBarrier();

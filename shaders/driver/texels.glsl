@@ -1,9 +1,10 @@
-// Four words of a buffer, loaded together, or one of them (wordOfFours). FOURS: an earlier dispatch has written them. COHERENT_FOURS: the same dispatch writes them, through a storage buffer,
-// with workgroupBarrierWithBuffers() between stores and loads.
+// Four words of a buffer, loaded together, or one of them (wordOfFours). FOURS: an earlier dispatch has written them. COHERENT_FOURS: the
+// same dispatch writes them, through a storage buffer, with workgroupBarrierWithBuffers() between stores and loads.
 //
-// With ONE_VECTOR or TEXEL_BUFFERS, which only software drivers run, the buffer is a texel buffer: these drivers check bounds and load per word and lane for a
-// storage buffer, but once per lane for a texel of 128 bits, so that even one word is better fetched as one of four. A GPU loads a uvec4 at once. Loads of a
-// storage texel buffer cost as much as those of a uniform one, but see stores of the same dispatch. Stores to it cost more than those of pairs of words.
+// With ONE_VECTOR or TEXEL_BUFFERS, which only software drivers run, the buffer is a texel buffer: these drivers check bounds and load per
+// word and lane for a storage buffer, but once per lane for a texel of 128 bits, so that even one word is better fetched as one of four. A
+// GPU loads a uvec4 at once. Loads of a storage texel buffer cost as much as those of a uniform one, but see stores of the same dispatch.
+// Stores to it cost more than those of pairs of words.
 #if defined(ONE_VECTOR) || defined(TEXEL_BUFFERS)
 #define FOURS(number, Name) layout(set = 0, binding = number) uniform usamplerBuffer Name
 #define fourOf(Name, index) texelFetch(Name, int(index))
@@ -11,9 +12,11 @@
 #define loadFour(Name, index) imageLoad(Name, int(index))
 #define wordOfFours(Name, index) component(fourOf(Name, (index) / 4u), (index) % 4u)
 #else
-#define FOURS(number, Name) layout(std430, set = 0, binding = number) readonly buffer Name { uvec4 fours_of_##Name[]; }
+#define FOURS(number, Name) \
+  layout(std430, set = 0, binding = number) readonly buffer Name { uvec4 fours_of_##Name[]; }
 #define fourOf(Name, index) fours_of_##Name[index]
-#define COHERENT_FOURS(number, Name) layout(std430, set = 0, binding = number) coherent readonly buffer Name { uvec4 fours_of_##Name[]; }
+#define COHERENT_FOURS(number, Name) \
+  layout(std430, set = 0, binding = number) coherent readonly buffer Name { uvec4 fours_of_##Name[]; }
 #define loadFour(Name, index) fours_of_##Name[index]
 #define wordOfFours(Name, index) fours_of_##Name[(index) / 4u][(index) % 4u]
 #endif

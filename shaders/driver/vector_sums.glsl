@@ -1,9 +1,11 @@
-// Reductions over a workgroup that is one vector of a software driver, and its lists. IN_VECTOR is false without ONE_VECTOR (driver/barrier.glsl).
+// Reductions over a workgroup that is one vector of a software driver, and its lists. IN_VECTOR is false without ONE_VECTOR
+// (driver/barrier.glsl).
 //
-// placeIn() is the next free place for an invocation that adds to the list; `length`, a global of kind LIST_LENGTH, grows. All
-// invocations of the workgroup call it. In a vector every lane keeps the length, and a ballot counts: atomic operations are loops over the lanes.
+// placeIn() is the next free place for an invocation that adds to the list; `length`, a global of kind LIST_LENGTH, grows. All invocations
+// of the workgroup call it. In a vector every lane keeps the length, and a ballot counts: atomic operations are loops over the lanes.
 //
-// A subgroup's sum visits the lanes once and in their order on lavapipe, as the loop over shared memory does that other workgroups run: both give the same bits.
+// A subgroup's sum visits the lanes once and in their order on lavapipe, as the loop over shared memory does that other workgroups run:
+// both give the same bits.
 // Included after driver/barrier.glsl.
 #ifdef ONE_VECTOR
 #extension GL_KHR_shader_subgroup_arithmetic : require

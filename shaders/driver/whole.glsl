@@ -1,6 +1,7 @@
 // Rounds floats to integers, and divides small integers, without the operations that Mesa's software driver computes lane by lane.
 
-// The integer nearest to a float within +-2^22, from the last bits of the sum with 1.5 x 2^23, which is exact (module.cmake). On Mesa's newer software driver int() costs ten times as much.
+// The integer nearest to a float within +-2^22, from the last bits of the sum with 1.5 x 2^23, which is exact (module.cmake). On Mesa's
+// newer software driver int() costs ten times as much.
 const float kMostWhole = 4194304.0;
 int wholeNumber(float v) {
   float sum = v + 12582912.0;
@@ -8,8 +9,8 @@ int wholeNumber(float v) {
 }
 ivec2 wholeNumbers(vec2 v) { return ivec2(wholeNumber(v.x), wholeNumber(v.y)); }
 
-// Row and column of cell `i` in rows of num_cols cells, without an integer division: (i + 1/2) / num_cols is at least 1 / (2 num_cols) from an integer, more
-// than rounding as long as there are fewer than 2^20 cells.
+// Row and column of cell `i` in rows of num_cols cells, without an integer division: (i + 1/2) / num_cols is at least 1 / (2 num_cols) from
+// an integer, more than rounding as long as there are fewer than 2^20 cells.
 uvec2 cellNumbered(uint i, uint num_cols) {
   uint row = uint(wholeNumber((float(int(i)) + 0.5) / float(int(num_cols)) - 0.5));
   return uvec2(row, i - row * num_cols);

@@ -3,15 +3,17 @@
 //
 //   A ds/dt = -sum over the sides of int u n dl,    A d(s c)/dt = s A u - sum over the sides of int r u n dl
 //
-// over what is covered of the sides of a cell: in a cell that an edge cuts what is behind the straight line with the covered share s on one side, across the
-// direction to the centroid c. Two cells give the side between them the mean of their intervals, unless one of the cells is whole or empty.
+// over what is covered of the sides of a cell: in a cell that an edge cuts what is behind the straight line with the covered share s on one
+// side, across the direction to the centroid c. Two cells give the side between them the mean of their intervals, unless one of the cells
+// is whole or empty.
 
 struct CellRate {
   float covered;  // per unit of the motion
   vec2 place;     // of the centroid, m per unit
 };
 
-const uint kCoveredRate = kLayerTarget, kPlaceRateX = kLayerDirection, kPlaceRateY = kLayerProduct;  // arrays of the rates of the window's cells
+const uint kCoveredRate = kLayerTarget, kPlaceRateX = kLayerDirection,
+           kPlaceRateY = kLayerProduct;  // arrays of the rates of the window's cells
 
 // 0 outside the window.
 CellRate storedRate(Window window, uvec2 node) {
@@ -45,7 +47,8 @@ vec2 sidePoint(uint side, float along) {
 // Length and moment about the middle of what a cell has covered of its side at x = -0.5, x = 0.5, y = -0.5 or y = 0.5.
 vec2 coveredOf(CellLine line, uint side) {
   if (!line.is_cut) return vec2(line.whole, 0);
-  vec2 ends = line.offset - vec2(dot(line.normal, sidePoint(side, -0.5)), dot(line.normal, sidePoint(side, 0.5)));  // how far behind the line
+  vec2 ends =
+      line.offset - vec2(dot(line.normal, sidePoint(side, -0.5)), dot(line.normal, sidePoint(side, 0.5)));  // how far behind the line
   bvec2 behind = greaterThanEqual(ends, vec2(0));
   if (behind.x == behind.y) return vec2(behind.x ? 1.0 : 0.0, 0);
   float crossing = ends.x / (ends.x - ends.y) - 0.5, moment = 0.5 * (crossing * crossing - 0.25);
@@ -110,7 +113,8 @@ float complianceRate(Surface surface, Window window, uvec2 node) {
     if (other.share == 0.0 || cell.share >= 1.0 && other.share >= 1.0) continue;
     CellRate next = storedRate(window, at);
     vec2 nodes = vec2(step_to) * nodeSpacing(), between = nodes + other.place - cell.place;
-    float r = length(between), shares = cell.share + other.share, difference = mutualCompliance(between, shares) - mutualCompliance(nodes, 2.0);
+    float r = length(between), shares = cell.share + other.share,
+          difference = mutualCompliance(between, shares) - mutualCompliance(nodes, 2.0);
     vec2 slopes = mutualSlopes(r, shares), moved = other.edge * next.place - cell.edge * rate.place;
     float by_clouds = slopes.x * dot(between, moved) / max(r, 1e-9) + slopes.y * (own + other.edge * next.covered);
     mutual += sqrt(other.covered) * (by_clouds + 0.5 * difference * (next.covered / other.covered - own / cell.share));

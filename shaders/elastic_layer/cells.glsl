@@ -1,21 +1,22 @@
-// Cells that an edge of an object covers in part, with area sampling: the height over what is covered, its centroid, and the own compliance of such a node.
+// Cells that an edge of an object covers in part, with area sampling: the height over what is covered, its centroid, and the own compliance
+// of such a node.
 //
-// A pressed part of a cell is softer than the cell under the same force, and parts of neighbouring cells are closer to each other than the middles of their
-// cells. Both go into the node's own compliance, so that influence still depends on distance alone (elastic_layer/influence.glsl). With the share s that is
-// covered, the centroid c, and the disc of the cell's area as the shape of what carries the edge of a rigid object:
+// A pressed part of a cell is softer than the cell under the same force, and parts of neighbouring cells are closer to each other than the
+// middles of their cells. Both go into the node's own compliance, so that influence still depends on distance alone
+// (elastic_layer/influence.glsl). With the share s that is covered, the centroid c, and the disc of the cell's area as the shape of what
+// carries the edge of a rigid object:
 //
-//   own(s) = 1 + (CELL_DISC (1 - s^8) + CELL_FREE s^8) / sqrt(s) - CELL_FREE + CELL_BASE (1 - s)
-//   compliance_i = own(s_i) + POINT_COMPLIANCE sum_j sqrt(s_j / s_i) [m(|c_j - c_i|, w_ij) - m(distance of the nodes, w_11)]      over the eight neighbours
-//   m(r, w) = erf(r / w) / r - 1 / sqrt(r^2 + IMAGE_DEPTH^2)        of two round clouds whose forces act over w; their image is the base
+//   own(s) = 1 + (CELL_DISC (1 - s^8) + CELL_FREE s^8) / sqrt(s) - CELL_FREE + CELL_BASE (1 - s) compliance_i = own(s_i) + POINT_COMPLIANCE
+//   sum_j sqrt(s_j / s_i) [m(|c_j - c_i|, w_ij) - m(distance of the nodes, w_11)]      over the eight neighbours m(r, w) = erf(r / w) / r -
+//   1 / sqrt(r^2 + IMAGE_DEPTH^2)        of two round clouds whose forces act over w; their image is the base
 //
-// sqrt(s_j / s_i) is the ratio of forces under a flat object; a surface that only enters a cell has the share that it covers there. Compliances are relative to
-// a whole cell's. Constants: src/sensor/elastic_layer.h. Twin:
-// src/reference/layer_cells.cpp.
+// sqrt(s_j / s_i) is the ratio of forces under a flat object; a surface that only enters a cell has the share that it covers there.
+// Compliances are relative to a whole cell's. Constants: src/sensor/elastic_layer.h. Twin: src/reference/layer_cells.cpp.
 
 const float kPi = 3.14159265358979;
-const uint kLayerCompliance = kLayerArrays - 1u;  // array of compliance - 1
+const uint kLayerCompliance = kLayerArrays - 1u;      // array of compliance - 1
 const uint kLayerDentCompliance = kLayerArrays - 2u;  // the same of a dent, of a skin that relaxes
-const float kLeastCompliance = 0.5;               // of a node, for layers much thinner than a cell
+const float kLeastCompliance = 0.5;                   // of a node, for layers much thinner than a cell
 
 struct NodeCell {
   float height;   // over what is covered, m
@@ -32,7 +33,8 @@ NodeCell cellAt(Surface surface, uvec2 node) {
   if (!AREA) return NodeCell(0.0, 1.0, 1.0, vec2(0), 0.0, 0u);
   CellPart part = cellPart(surface.first_height + node.x * NODE_COLS + node.y);
   if (part.covered == 0.0) return noNodeCell();
-  return NodeCell(withoutSlot(part.height), mix(1.0, part.covered, part.edge), part.covered, part.center * nodeSpacing(), part.edge, slotOf(part.height));
+  return NodeCell(withoutSlot(part.height), mix(1.0, part.covered, part.edge), part.covered, part.center * nodeSpacing(), part.edge,
+                  slotOf(part.height));
 }
 
 // Height that a node meets, m: in the middle of its cell, or over what an edge bounds.
@@ -71,7 +73,8 @@ float complianceOf(Surface surface, uvec2 node) {
     NodeCell other = cellAt(surface, at);
     if (other.share == 0.0 || cell.share >= 1.0 && other.share >= 1.0) continue;
     vec2 nodes = vec2(step_to) * nodeSpacing();
-    mutual += sqrt(other.covered) * (mutualCompliance(nodes + other.place - cell.place, cell.share + other.share) - mutualCompliance(nodes, 2.0));
+    mutual +=
+        sqrt(other.covered) * (mutualCompliance(nodes + other.place - cell.place, cell.share + other.share) - mutualCompliance(nodes, 2.0));
   }
   return max(ownCompliance(cell.share) + POINT_COMPLIANCE * mutual * inversesqrt(cell.share), kLeastCompliance);
 }
@@ -81,15 +84,15 @@ void setCompliances(Surface surface, Window window) {
   if (!AREA) return;
   uint k = gl_LocalInvocationIndex;
   if (k < window.num_strips) do {
-    uvec2 at = stripAt(window, k);
-    vec4 more = vec4(0);
-    for (uint c = 0; c < kStrip; ++c) {
-      uvec2 node = uvec2(at.x, at.y + c);
-      more[c] = isReached(surface, node) ? complianceOf(surface, node) - 1.0 : 0.0;
-    }
-    writeStrip(window, kLayerCompliance, at, more);
-    k += WORKGROUP;
-  } while (k < window.num_strips);
+      uvec2 at = stripAt(window, k);
+      vec4 more = vec4(0);
+      for (uint c = 0; c < kStrip; ++c) {
+        uvec2 node = uvec2(at.x, at.y + c);
+        more[c] = isReached(surface, node) ? complianceOf(surface, node) - 1.0 : 0.0;
+      }
+      writeStrip(window, kLayerCompliance, at, more);
+      k += WORKGROUP;
+    } while (k < window.num_strips);
   checkLoop(k < window.num_strips);
   workgroupBarrierWithBuffers();
 }

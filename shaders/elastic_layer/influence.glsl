@@ -1,8 +1,8 @@
 // Product of the influence matrix A with an array of a layer: the displacement (thicknesses) that it causes at a strip of nodes.
 //
-// A depends on the distance of two nodes only. The table Influence holds its coefficients as (NODE_ROWS x 2 kRowStrips) strips: by distance of the rows, then
-// by distance of the strips from -kRowStrips up; the host computes it (src/sensor/elastic_layer.cpp). A strip of sources and a strip of results need
-// kStrip^2 products but only 2 kStrip - 1 coefficients, of which half are kept from the strip before.
+// A depends on the distance of two nodes only. The table Influence holds its coefficients as (NODE_ROWS x 2 kRowStrips) strips: by distance
+// of the rows, then by distance of the strips from -kRowStrips up; the host computes it (src/sensor/elastic_layer.cpp). A strip of sources
+// and a strip of results need kStrip^2 products but only 2 kStrip - 1 coefficients, of which half are kept from the strip before.
 
 // Four consecutive values that begin 1, 2 or 3 before those of b; a holds the four before b.
 vec4 before1(vec4 a, vec4 b) { return vec4(a.w, b.xyz); }
@@ -23,27 +23,27 @@ vec4 displacementAt(Window window, uvec2 at, uint array) {
   uvec2 rows = rowsAroundSources();
   uint row = rows.x;
   if (row < rows.y) do {
-    if (source_strips[row] == 0) continue;
-    uint distance = at.x > row ? at.x - row : row - at.x;
-    uvec2 range = sourcesOfRow(row);
-    uint strip = range.x, end = range.y;
-    uint entry = distance * 2 * kRowStrips + kRowStrips + at.y / kStrip - strip;
-    uint source = stripAddress(window.layer_start, array, uvec2(row, strip * kStrip));
-    vec4 next = floatsOfFour(Influence, entry);
-    do {
-      // Two strips of sources: some drivers limit the iterations of loops (driver/loop_limit.glsl).
-      bool is_pair = strip + 1u < end;
-      vec4 past = floatsOfFour(Influence, entry - 1u), before = floatsOfFour(Influence, entry - (is_pair ? 2u : 1u));
-      vec4 x = uintBitsToFloat(loadFour(LayerStrips, source)), y = uintBitsToFloat(loadFour(LayerStrips, source + (is_pair ? 1u : 0u)));
-      if (!is_pair) y = vec4(0);
-      w += productOf(x, past, next) + productOf(y, before, past);
-      next = before;
-      entry -= 2u;
-      source += 2u;
-      strip += 2u;
-    } while (strip < end);
-    checkLoop(strip < end);
-  } while (++row < rows.y);
+      if (source_strips[row] == 0) continue;
+      uint distance = at.x > row ? at.x - row : row - at.x;
+      uvec2 range = sourcesOfRow(row);
+      uint strip = range.x, end = range.y;
+      uint entry = distance * 2 * kRowStrips + kRowStrips + at.y / kStrip - strip;
+      uint source = stripAddress(window.layer_start, array, uvec2(row, strip * kStrip));
+      vec4 next = floatsOfFour(Influence, entry);
+      do {
+        // Two strips of sources: some drivers limit the iterations of loops (driver/loop_limit.glsl).
+        bool is_pair = strip + 1u < end;
+        vec4 past = floatsOfFour(Influence, entry - 1u), before = floatsOfFour(Influence, entry - (is_pair ? 2u : 1u));
+        vec4 x = uintBitsToFloat(loadFour(LayerStrips, source)), y = uintBitsToFloat(loadFour(LayerStrips, source + (is_pair ? 1u : 0u)));
+        if (!is_pair) y = vec4(0);
+        w += productOf(x, past, next) + productOf(y, before, past);
+        next = before;
+        entry -= 2u;
+        source += 2u;
+        strip += 2u;
+      } while (strip < end);
+      checkLoop(strip < end);
+    } while (++row < rows.y);
   checkLoop(row < rows.y);
   if (AREA && isSource(at)) w += readStrip(window, kLayerCompliance, at) * readStrip(window, array, at);
   return w;

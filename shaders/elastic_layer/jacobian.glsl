@@ -1,12 +1,13 @@
-// The tactile Jacobian of an elastic layer: how its forces change as the sensor moves and the objects stay. Twin: src/reference/layer_rates.cpp.
+// The tactile Jacobian of an elastic layer: how its forces change as the sensor moves and the objects stay. Twin:
+// src/reference/layer_rates.cpp.
 // Out: taxel_jacobian (num_instances x 6 x num_taxels), N/m and N/rad; wrench_jacobian (num_instances x 6 x 6).
 //
-// Over the nodes in contact A p = d, so that A dp = dd: conjugate gradients with a known active set, once per coordinate of the twist. Nodes that enter or
-// leave contact carry no force at that moment. The object's surface lies at z = -d(x, y) of P; its point p = (x, y, -d) moves with u = v + w x p, so that d
-// changes by -u_z - u_x d_x - u_y d_y. For a skin that relaxes these are the instantaneous changes.
+// Over the nodes in contact A p = d, so that A dp = dd: conjugate gradients with a known active set, once per coordinate of the twist.
+// Nodes that enter or leave contact carry no force at that moment. The object's surface lies at z = -d(x, y) of P; its point p = (x, y, -d)
+// moves with u = v + w x p, so that d changes by -u_z - u_x d_x - u_y d_y. For a skin that relaxes these are the instantaneous changes.
 //
-// With area sampling A changes with what is covered of the cells, so that A dp = dd - dA p (elastic_layer/cell_rates.glsl), and d is the depth at the place of
-// what is covered, which moves.
+// With area sampling A changes with what is covered of the cells, so that A dp = dd - dA p (elastic_layer/cell_rates.glsl), and d is the
+// depth at the place of what is covered, which moves.
 //
 // kLayerTarget holds the changes of pressure dp, kLayerResidual the residual dd - A dp; the solver no longer needs either.
 
@@ -62,9 +63,9 @@ void addPressedSources(Window window) {
   clearSources();
   uint k = gl_LocalInvocationIndex;
   if (k < window.num_strips) do {
-    if (sumOf(pressedOver(window, stripAt(window, k))) > 0.0) addSource(stripAt(window, k));
-    k += WORKGROUP;
-  } while (k < window.num_strips);
+      if (sumOf(pressedOver(window, stripAt(window, k))) > 0.0) addSource(stripAt(window, k));
+      k += WORKGROUP;
+    } while (k < window.num_strips);
   checkLoop(k < window.num_strips);
   workgroupBarrierWithBuffers();
 }
@@ -92,21 +93,21 @@ vec2 storeCellRates(Surface surface, Window window, uvec2 at, float shift, vec3 
 vec2 storeCellRates(Surface surface, Window window, float shift, vec3 v, vec3 w) {
   uint part = gl_LocalInvocationIndex;
   if (part < window.num_parts) do {
-    vec2 moved = vec2(0);
-    uint k = part;
-    do {
-      if (k < window.num_strips) moved += storeCellRates(surface, window, stripAt(window, k), shift, v, w);
-      k += LANES;
-    } while (k - part < window.num_strips);
-    checkLoop(k < window.num_strips);
-    setPartial(part, vec4(moved, 0, 0));
-    part += WORKGROUP;
-  } while (WORKGROUP < LANES && part < window.num_parts);
+      vec2 moved = vec2(0);
+      uint k = part;
+      do {
+        if (k < window.num_strips) moved += storeCellRates(surface, window, stripAt(window, k), shift, v, w);
+        k += LANES;
+      } while (k - part < window.num_strips);
+      checkLoop(k < window.num_strips);
+      setPartial(part, vec4(moved, 0, 0));
+      part += WORKGROUP;
+    } while (WORKGROUP < LANES && part < window.num_parts);
   return sumOfPartials(window.num_parts).xy;
 }
 
-// The pressure at a node that a change of its compliance acts on: with the part of the dent that has the compliance of what is covered now. Between a dent of
-// a larger part and one of a smaller part there is a kink, at which half of the dent is taken.
+// The pressure at a node that a change of its compliance acts on: with the part of the dent that has the compliance of what is covered now.
+// Between a dent of a larger part and one of a smaller part there is a kink, at which half of the dent is taken.
 float pressureAt(Window window, uvec2 node) {
   float pressure = valueAt(window.layer_start, kLayerPressure, node);
   if (RELAXATION == 0) return pressure;
@@ -126,32 +127,32 @@ float residualRate(Surface surface, Window window, uvec2 node, float shift, vec3
 float beginRates(Surface surface, Window window, float shift, vec3 v, vec3 w) {
   uint part = gl_LocalInvocationIndex;
   if (part < window.num_parts) do {
-    float squares = 0.0;
-    uint k = part;
-    do {
-      if (k < window.num_strips) {
-        uvec2 at = stripAt(window, k);
-        vec4 pressed = pressedOver(window, at), rate = vec4(0);
-        for (uint c = 0; c < kStrip; ++c) {
-          if (pressed[c] > 0.0) rate[c] = residualRate(surface, window, uvec2(at.x, at.y + c), shift, v, w);
+      float squares = 0.0;
+      uint k = part;
+      do {
+        if (k < window.num_strips) {
+          uvec2 at = stripAt(window, k);
+          vec4 pressed = pressedOver(window, at), rate = vec4(0);
+          for (uint c = 0; c < kStrip; ++c) {
+            if (pressed[c] > 0.0) rate[c] = residualRate(surface, window, uvec2(at.x, at.y + c), shift, v, w);
+          }
+          writeStrip(window, kLayerResidual, at, rate);
+          squares += dot(rate, weighted(window, at, rate));
         }
-        writeStrip(window, kLayerResidual, at, rate);
-        squares += dot(rate, weighted(window, at, rate));
-      }
-      k += LANES;
-    } while (k - part < window.num_strips);
-    checkLoop(k < window.num_strips);
-    setPartial(part, vec4(squares, 0, 0, 0));
-    part += WORKGROUP;
-  } while (WORKGROUP < LANES && part < window.num_parts);
+        k += LANES;
+      } while (k - part < window.num_strips);
+      checkLoop(k < window.num_strips);
+      setPartial(part, vec4(squares, 0, 0, 0));
+      part += WORKGROUP;
+    } while (WORKGROUP < LANES && part < window.num_parts);
   float squares = sumOfPartials(window.num_parts).x;
   uint k = gl_LocalInvocationIndex;
   if (k < window.num_strips) do {
-    uvec2 at = stripAt(window, k);
-    writeStrip(window, kLayerTarget, at, vec4(0));
-    writeStrip(window, kLayerDirection, at, weighted(window, at, readStrip(window, kLayerResidual, at)));
-    k += WORKGROUP;
-  } while (k < window.num_strips);
+      uvec2 at = stripAt(window, k);
+      writeStrip(window, kLayerTarget, at, vec4(0));
+      writeStrip(window, kLayerDirection, at, weighted(window, at, readStrip(window, kLayerResidual, at)));
+      k += WORKGROUP;
+    } while (k < window.num_strips);
   checkLoop(k < window.num_strips);
   workgroupBarrierWithBuffers();
   return squares;
@@ -161,21 +162,21 @@ float beginRates(Surface surface, Window window, float shift, vec3 v, vec3 w) {
 float applyToRates(Window window) {
   uint part = gl_LocalInvocationIndex;
   if (part < window.num_parts) do {
-    float curvature = 0.0;
-    uint k = part;
-    do {
-      if (k < window.num_strips) {
-        uvec2 at = stripAt(window, k);
-        vec4 q = displacementAt(window, at, kLayerDirection) * pressedOver(window, at);
-        writeStrip(window, kLayerProduct, at, q);
-        curvature += dot(q, readStrip(window, kLayerDirection, at));
-      }
-      k += LANES;
-    } while (k - part < window.num_strips);
-    checkLoop(k < window.num_strips);
-    setPartial(part, vec4(curvature, 0, 0, 0));
-    part += WORKGROUP;
-  } while (WORKGROUP < LANES && part < window.num_parts);
+      float curvature = 0.0;
+      uint k = part;
+      do {
+        if (k < window.num_strips) {
+          uvec2 at = stripAt(window, k);
+          vec4 q = displacementAt(window, at, kLayerDirection) * pressedOver(window, at);
+          writeStrip(window, kLayerProduct, at, q);
+          curvature += dot(q, readStrip(window, kLayerDirection, at));
+        }
+        k += LANES;
+      } while (k - part < window.num_strips);
+      checkLoop(k < window.num_strips);
+      setPartial(part, vec4(curvature, 0, 0, 0));
+      part += WORKGROUP;
+    } while (WORKGROUP < LANES && part < window.num_parts);
   return sumOfPartials(window.num_parts).x;
 }
 
@@ -185,60 +186,60 @@ float stepRates(Window window, float squared_residual) {
   float step_length = curvature > 0.0 ? squared_residual / curvature : 0.0;
   uint part = gl_LocalInvocationIndex;
   if (part < window.num_parts) do {
-    float squares = 0.0;
-    uint k = part;
-    do {
-      if (k < window.num_strips) {
-        uvec2 at = stripAt(window, k);
-        vec4 residual = readStrip(window, kLayerResidual, at) - readStrip(window, kLayerProduct, at) * step_length;
-        writeStrip(window, kLayerTarget, at, readStrip(window, kLayerTarget, at) + readStrip(window, kLayerDirection, at) * step_length);
-        writeStrip(window, kLayerResidual, at, residual);
-        squares += dot(residual, weighted(window, at, residual));
-      }
-      k += LANES;
-    } while (k - part < window.num_strips);
-    checkLoop(k < window.num_strips);
-    setPartial(part, vec4(squares, 0, 0, 0));
-    part += WORKGROUP;
-  } while (WORKGROUP < LANES && part < window.num_parts);
+      float squares = 0.0;
+      uint k = part;
+      do {
+        if (k < window.num_strips) {
+          uvec2 at = stripAt(window, k);
+          vec4 residual = readStrip(window, kLayerResidual, at) - readStrip(window, kLayerProduct, at) * step_length;
+          writeStrip(window, kLayerTarget, at, readStrip(window, kLayerTarget, at) + readStrip(window, kLayerDirection, at) * step_length);
+          writeStrip(window, kLayerResidual, at, residual);
+          squares += dot(residual, weighted(window, at, residual));
+        }
+        k += LANES;
+      } while (k - part < window.num_strips);
+      checkLoop(k < window.num_strips);
+      setPartial(part, vec4(squares, 0, 0, 0));
+      part += WORKGROUP;
+    } while (WORKGROUP < LANES && part < window.num_parts);
   float squares = sumOfPartials(window.num_parts).x;
   uint k = gl_LocalInvocationIndex;
   if (k < window.num_strips) do {
-    uvec2 at = stripAt(window, k);
-    vec4 residual = weighted(window, at, readStrip(window, kLayerResidual, at));
-    vec4 direction = residual + readStrip(window, kLayerDirection, at) * (squares / squared_residual);
-    writeStrip(window, kLayerDirection, at, direction);
-    k += WORKGROUP;
-  } while (k < window.num_strips);
+      uvec2 at = stripAt(window, k);
+      vec4 residual = weighted(window, at, readStrip(window, kLayerResidual, at));
+      vec4 direction = residual + readStrip(window, kLayerDirection, at) * (squares / squared_residual);
+      writeStrip(window, kLayerDirection, at, direction);
+      k += WORKGROUP;
+    } while (k < window.num_strips);
   checkLoop(k < window.num_strips);
   workgroupBarrierWithBuffers();
   return squares;
 }
 
-// Writes the wrench's derivative by coordinate `c` of the sensor's twist. `moved`: the sum of pressure times the velocity of its place, m per unit. `origin`:
-// of P in S, m.
+// Writes the wrench's derivative by coordinate `c` of the sensor's twist. `moved`: the sum of pressure times the velocity of its place, m
+// per unit. `origin`: of P in S, m.
 void writeWrenchJacobian(uint instance, Surface surface, Window window, uint c, vec2 moved, mat3 R_SP, vec3 origin, float node_force) {
   uint part = gl_LocalInvocationIndex;
   if (part < window.num_parts) do {
-    vec3 sums = vec3(0);  // changes of pressure, these times x and y of P
-    uint k = part;
-    do {
-      if (k < window.num_strips) {
-        uvec2 at = stripAt(window, k);
-        vec4 change = readStrip(window, kLayerTarget, at);
-        float x = nodePosition(at).x;
-        sums += vec3(sumOf(change), sumOf(change) * x, dot(change, columnPositions(at)));
-        if (AREA) {
-          StripCells cells = cellsOver(surface, at);
-          sums.yz += vec2(dot(change, cells.x), dot(change, cells.y));
+      vec3 sums = vec3(0);  // changes of pressure, these times x and y of P
+      uint k = part;
+      do {
+        if (k < window.num_strips) {
+          uvec2 at = stripAt(window, k);
+          vec4 change = readStrip(window, kLayerTarget, at);
+          float x = nodePosition(at).x;
+          sums += vec3(sumOf(change), sumOf(change) * x, dot(change, columnPositions(at)));
+          if (AREA) {
+            StripCells cells = cellsOver(surface, at);
+            sums.yz += vec2(dot(change, cells.x), dot(change, cells.y));
+          }
         }
-      }
-      k += LANES;
-    } while (k - part < window.num_strips);
-    checkLoop(k < window.num_strips);
-    setPartial(part, vec4(sums, 0));
-    part += WORKGROUP;
-  } while (WORKGROUP < LANES && part < window.num_parts);
+        k += LANES;
+      } while (k - part < window.num_strips);
+      checkLoop(k < window.num_strips);
+      setPartial(part, vec4(sums, 0));
+      part += WORKGROUP;
+    } while (WORKGROUP < LANES && part < window.num_parts);
   vec4 sums = (sumOfPartials(window.num_parts) + vec4(0, moved, 0)) * node_force;
   if (gl_LocalInvocationIndex != 0) return;
   vec3 force = R_SP * vec3(0, 0, -sums.x), torque = R_SP * vec3(-sums.z, sums.y, 0) + cross(origin, force);

@@ -10,8 +10,8 @@ vec4 onTaxels(uvec2 at) {
   return vec4(greaterThanEqual(col, vec4(range.x))) * vec4(lessThan(col, vec4(range.y)));
 }
 
-// Writes force (N), shear (N) and mean depth (m) of the taxels that were reached; returns their rectangle: first row, end row, first col, end col. `pressed`:
-// the nodes that have a shear traction.
+// Writes force (N), shear (N) and mean depth (m) of the taxels that were reached; returns their rectangle: first row, end row, first col,
+// end col. `pressed`: the nodes that have a shear traction.
 uvec4 writeTaxels(uint instance, Surface surface, Window window, uvec4 pressed, float shift, float node_force) {
   uvec2 margin = uvec2(MARGIN_ROWS, MARGIN_COLS);
   uvec4 reached = surface.reached;
@@ -48,46 +48,48 @@ uvec4 writeTaxels(uint instance, Surface surface, Window window, uvec4 pressed, 
   return uvec4(first.x, first.x + count.x, first.y, first.y + count.y);
 }
 
-// Adds to num_deep the nodes of taxels at full depth. Returns the sums over the window of pressure, pressure times x and y of P, and pressure on taxels.
+// Adds to num_deep the nodes of taxels at full depth. Returns the sums over the window of pressure, pressure times x and y of P, and
+// pressure on taxels.
 vec4 sumPressures(Surface surface, Window window, float shift) {
   uint v = gl_LocalInvocationIndex;
   if (v < window.num_parts) do {
-    vec4 sums = vec4(0);
-    float deep = 0.0;
-    uint k = v;
-    do {
-      if (k < window.num_strips) {
-        uvec2 at = stripAt(window, k);
-        vec4 p = readStrip(window, kLayerPressure, at), overlap = readStrip(window, kLayerTarget, at), on_taxels = onTaxels(at);
-        if (RELAXATION > 0) overlap = overlapsOver(surface, at);
-        float sum = sumOf(p), x = nodePosition(at).x;
-        sums += vec4(sum, sum * x, dot(p, columnPositions(at)), dot(p, on_taxels));
-        if (AREA) {
-          StripCells cells = cellsOver(surface, at);
-          sums.yz += vec2(dot(p, cells.x), dot(p, cells.y));
-          on_taxels *= whereAbove(cells.share, kLeastShareOfFull);
+      vec4 sums = vec4(0);
+      float deep = 0.0;
+      uint k = v;
+      do {
+        if (k < window.num_strips) {
+          uvec2 at = stripAt(window, k);
+          vec4 p = readStrip(window, kLayerPressure, at), overlap = readStrip(window, kLayerTarget, at), on_taxels = onTaxels(at);
+          if (RELAXATION > 0) overlap = overlapsOver(surface, at);
+          float sum = sumOf(p), x = nodePosition(at).x;
+          sums += vec4(sum, sum * x, dot(p, columnPositions(at)), dot(p, on_taxels));
+          if (AREA) {
+            StripCells cells = cellsOver(surface, at);
+            sums.yz += vec2(dot(p, cells.x), dot(p, cells.y));
+            on_taxels *= whereAbove(cells.share, kLeastShareOfFull);
+          }
+          deep += dot(on_taxels, whereAbove(overlap + shift, AREA ? kFullDepth : 0.9999999));
         }
-        deep += dot(on_taxels, whereAbove(overlap + shift, AREA ? kFullDepth : 0.9999999));
-      }
-      k += LANES;
-    } while (k - v < window.num_strips);
-    checkLoop(k < window.num_strips);
-    setPartial(v, sums);
-    if (deep > 0.0) atomicAdd(num_deep, uint(deep));
-    v += WORKGROUP;
-  } while (WORKGROUP < LANES && v < window.num_parts);
+        k += LANES;
+      } while (k - v < window.num_strips);
+      checkLoop(k < window.num_strips);
+      setPartial(v, sums);
+      if (deep > 0.0) atomicAdd(num_deep, uint(deep));
+      v += WORKGROUP;
+    } while (WORKGROUP < LANES && v < window.num_parts);
   return sumOfPartials(window.num_parts);
 }
 
 // Writes tile_results and the features of the solution. `taxels`: as writeTaxels() returns it.
-void writeResults(uint instance, uint num_instances, Surface surface, Window window, Solution found, uint iterations, uvec4 taxels, Shear shear,
-                  float node_force) {
+void writeResults(uint instance, uint num_instances, Surface surface, Window window, Solution found, uint iterations, uvec4 taxels,
+                  Shear shear, float node_force) {
   vec4 sums = sumPressures(surface, window, found.shift) * node_force;
   if (gl_LocalInvocationIndex != 0) return;
   mat3 R_SP = transpose(mat3(sensor.X_SC_row0.xyz, sensor.X_SC_row1.xyz, sensor.X_SC_row2.xyz));
   vec3 force = R_SP * vec3(shear.force, -sums.x);
   // The skin is pressed along -z of P: torque (x, y, 0) x (0, 0, -f).
-  vec3 torque = R_SP * (vec3(-sums.z, sums.y, 0) + shear.torque) + cross(vec3(sensor.X_SC_row0.w, sensor.X_SC_row1.w, sensor.X_SC_row2.w), force);
+  vec3 torque =
+      R_SP * (vec3(-sums.z, sums.y, 0) + shear.torque) + cross(vec3(sensor.X_SC_row0.w, sensor.X_SC_row1.w, sensor.X_SC_row2.w), force);
   tile_results[instance].force = vec4(force, float(num_deep));
   tile_results[instance].torque = vec4(torque, sums.w);
   tile_results[instance].window = taxels;

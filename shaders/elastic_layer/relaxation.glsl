@@ -1,13 +1,15 @@
-// Relaxation of an elastic layer. All its moduli follow one k(t), so that the pressures p follow the strain pressures P, with A P = w, node by node as those of
-// a sample follow its strain (skin/relaxation.glsl, which defines e, c, held and gain). Twins: src/reference/relaxation.cpp, elastic_layer.cpp.
+// Relaxation of an elastic layer. All its moduli follow one k(t), so that the pressures p follow the strain pressures P, with A P = w, node
+// by node as those of a sample follow its strain (skin/relaxation.glsl, which defines e, c, held and gain). Twins:
+// src/reference/relaxation.cpp, elastic_layer.cpp.
 //
 // Without pressure a step leaves the dent q = P - held / gain; pressure adds p / gain to it. With p' = p / gain the contact problem is
 //   A p' = d - A q where p' > 0,   A p' >= d - A q elsewhere:
 // that of a layer without relaxation whose targets are lower by the displacement of the dents. Then P' = q + p'.
 //
-// With area sampling a pressure is the mean over a node's whole cell, of dents too. Its own displacement has the compliance of what was covered when it acted
-// (kLayerDentCompliance, a mean with the pressures as weights); another part of the cell meets of it what both parts have in common: the compliance that is
-// nearer to a whole cell's. So a dent under what made it moves as the pressures there, and a dent of a whole cell or under one moves as with points.
+// With area sampling a pressure is the mean over a node's whole cell, of dents too. Its own displacement has the compliance of what was
+// covered when it acted (kLayerDentCompliance, a mean with the pressures as weights); another part of the cell meets of it what both parts
+// have in common: the compliance that is nearer to a whole cell's. So a dent under what made it moves as the pressures there, and a dent of
+// a whole cell or under one moves as with points.
 //
 // State: P and one overstress h per term, over all nodes, in units of pressures (kLayerStrain, kLayerOverstress).
 
@@ -29,42 +31,43 @@ vec4 dentCompliance(Window window, uvec2 at) {
   return clamp(then, min(now, 0.0), max(now, 0.0));
 }
 
-// Lowers the targets of the window by the displacement of the dents, which are left in kLayerDirection. Returns the largest target, kNoTarget without any.
+// Lowers the targets of the window by the displacement of the dents, which are left in kLayerDirection. Returns the largest target,
+// kNoTarget without any.
 float lowerTargetsByDents(SkinStep step, Window window) {
   clearSources();
   uint k = gl_LocalInvocationIndex;
   if (k < kNumStrips) do {
-    uvec2 at = stripNumbered(k);
-    vec4 dent = dentAt(step, window.layer_start, at);
-    writeStrip(window, kLayerDirection, at, dent);
-    if (largestOf(dent) > 0.0) addSource(at);
-    k += WORKGROUP;
-  } while (k < kNumStrips);
+      uvec2 at = stripNumbered(k);
+      vec4 dent = dentAt(step, window.layer_start, at);
+      writeStrip(window, kLayerDirection, at, dent);
+      if (largestOf(dent) > 0.0) addSource(at);
+      k += WORKGROUP;
+    } while (k < kNumStrips);
   checkLoop(k < kNumStrips);
   workgroupBarrierWithBuffers();
   uint v = gl_LocalInvocationIndex;
   if (v < window.num_parts) do {
-    float deepest = kNoTarget;
-    uint k = v;
-    do {
-      if (k < window.num_strips) {
-        uvec2 at = stripAt(window, k);
-        // kNoTarget is so large that the difference rounds to it.
-        vec4 target = readStrip(window, kLayerTarget, at) - displacementAt(window, at, kLayerDirection);
-        if (AREA && !step.is_new) {
-          // The displacement has the compliances of what is covered now.
-          vec4 other = dentCompliance(window, at) - readStrip(window, kLayerCompliance, at);
-          target -= other * readStrip(window, kLayerDirection, at);
+      float deepest = kNoTarget;
+      uint k = v;
+      do {
+        if (k < window.num_strips) {
+          uvec2 at = stripAt(window, k);
+          // kNoTarget is so large that the difference rounds to it.
+          vec4 target = readStrip(window, kLayerTarget, at) - displacementAt(window, at, kLayerDirection);
+          if (AREA && !step.is_new) {
+            // The displacement has the compliances of what is covered now.
+            vec4 other = dentCompliance(window, at) - readStrip(window, kLayerCompliance, at);
+            target -= other * readStrip(window, kLayerDirection, at);
+          }
+          writeStrip(window, kLayerTarget, at, target);
+          deepest = max(deepest, largestOf(target));
         }
-        writeStrip(window, kLayerTarget, at, target);
-        deepest = max(deepest, largestOf(target));
-      }
-      k += LANES;
-    } while (k - v < window.num_strips);
-    checkLoop(k < window.num_strips);
-    setPartial(v, vec4(deepest));
-    v += WORKGROUP;
-  } while (WORKGROUP < LANES && v < window.num_parts);
+        k += LANES;
+      } while (k - v < window.num_strips);
+      checkLoop(k < window.num_strips);
+      setPartial(v, vec4(deepest));
+      v += WORKGROUP;
+    } while (WORKGROUP < LANES && v < window.num_parts);
   return largestOfPartials(window.num_parts);
 }
 
@@ -83,19 +86,19 @@ void updateDentCompliance(SkinStep step, uint layer_start, uvec2 at, vec4 dent) 
 void updateSkin(SkinStep step, uint layer_start) {
   uint k = gl_LocalInvocationIndex;
   if (k < kNumStrips) do {
-    uvec2 at = stripNumbered(k);
-    vec4 before = vec4(0);
-    if (!step.is_new) before = readStrip(layer_start, kLayerStrain, at);
-    vec4 dent = dentAt(step, layer_start, at), strain = dent + readStrip(layer_start, kLayerPressure, at);
-    if (AREA) updateDentCompliance(step, layer_start, at, dent);
-    vec4 added = strain - before;
-    for (uint term = 0; term < RELAXATION; ++term) {
-      vec4 h = added * step.growth[term];
-      if (!step.is_new) h += faded(step, term, readStrip(layer_start, kLayerOverstress + term, at));
-      writeStrip(layer_start, kLayerOverstress + term, at, h);
-    }
-    writeStrip(layer_start, kLayerStrain, at, strain);
-    k += WORKGROUP;
-  } while (k < kNumStrips);
+      uvec2 at = stripNumbered(k);
+      vec4 before = vec4(0);
+      if (!step.is_new) before = readStrip(layer_start, kLayerStrain, at);
+      vec4 dent = dentAt(step, layer_start, at), strain = dent + readStrip(layer_start, kLayerPressure, at);
+      if (AREA) updateDentCompliance(step, layer_start, at, dent);
+      vec4 added = strain - before;
+      for (uint term = 0; term < RELAXATION; ++term) {
+        vec4 h = added * step.growth[term];
+        if (!step.is_new) h += faded(step, term, readStrip(layer_start, kLayerOverstress + term, at));
+        writeStrip(layer_start, kLayerOverstress + term, at, h);
+      }
+      writeStrip(layer_start, kLayerStrain, at, strain);
+      k += WORKGROUP;
+    } while (k < kNumStrips);
   checkLoop(k < kNumStrips);
 }

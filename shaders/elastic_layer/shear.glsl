@@ -1,4 +1,5 @@
-// Shear of an elastic layer: skin/friction.glsl at every node under pressure, of taxels and margin alike. Forces in N, in P. Twin: src/reference/friction.cpp.
+// Shear of an elastic layer: skin/friction.glsl at every node under pressure, of taxels and margin alike. Forces in N, in P. Twin:
+// src/reference/friction.cpp.
 
 struct Shear {
   vec2 force;   // on the sensor along x and y of P, N
@@ -31,10 +32,10 @@ uvec4 pressedNodes(Window window) {
   clearSources();
   uint k = gl_LocalInvocationIndex;
   if (k < window.num_strips) do {
-    uvec2 at = stripAt(window, k);
-    if (largestOf(readStrip(window, kLayerPressure, at)) > 0.0) addSource(at);
-    k += WORKGROUP;
-  } while (k < window.num_strips);
+      uvec2 at = stripAt(window, k);
+      if (largestOf(readStrip(window, kLayerPressure, at)) > 0.0) addSource(at);
+      k += WORKGROUP;
+    } while (k < window.num_strips);
   checkLoop(k < window.num_strips);
   workgroupBarrierWithBuffers();
   uvec2 rows = sourceRows();
@@ -45,9 +46,10 @@ uvec4 pressedNodes(Window window) {
   return uvec4(rows, cols.x, min(cols.y, NODE_COLS));
 }
 
-// `pressed`: as pressedNodes() returns it. `shift`: of the solution, thicknesses. `moved_z`: by how much a load search has moved the objects along z of S in
-// this step, m. `node_force`: of a node under the pressure 1, N.
-Shear shearNodes(uint instance, uint num_slots, Surface surface, uint layer_start, uvec4 pressed, float shift, float moved_z, float node_force) {
+// `pressed`: as pressedNodes() returns it. `shift`: of the solution, thicknesses. `moved_z`: by how much a load search has moved the
+// objects along z of S in this step, m. `node_force`: of a node under the pressure 1, N.
+Shear shearNodes(uint instance, uint num_slots, Surface surface, uint layer_start, uvec4 pressed, float shift, float moved_z,
+                 float node_force) {
   uvec4 state_window = readStateWindow(frictionStart(instance));
   Affine X_PS = inverseOf(Affine(sensor.X_SC_row0, sensor.X_SC_row1, sensor.X_SC_row2));
   Motion only_motion = loadMotions(instance, num_slots, moved_z, X_PS);

@@ -1,7 +1,7 @@
 // Strips of kStrip nodes along a row of an elastic layer: their storage in layer[]. Layout: shared/elastic_layer.h.
 //
-// Layer holds kLayerArrays arrays per instance, each (NODE_ROWS x kRowStrips) strips. A strip is the vec4 of its values; it is addressed by `at`, its row and the
-// column of its first node, a multiple of kStrip. Nodes past NODE_COLS pad a row.
+// Layer holds kLayerArrays arrays per instance, each (NODE_ROWS x kRowStrips) strips. A strip is the vec4 of its values; it is addressed by
+// `at`, its row and the column of its first node, a multiple of kStrip. Nodes past NODE_COLS pad a row.
 
 const uint kRowStrips = (NODE_COLS + kStrip - 1) / kStrip;
 const uint kNumStrips = NODE_ROWS * kRowStrips;  // of a whole array
@@ -15,9 +15,13 @@ uvec2 stripNumbered(uint k) { return uvec2(k / kRowStrips, k % kRowStrips * kStr
 uint layerStart(uint instance) { return instance * kLayerArrays * kNumStrips; }
 
 // The strip that holds a node.
-uint stripAddress(uint layer_start, uint array, uvec2 node) { return layer_start + array * kNumStrips + node.x * kRowStrips + node.y / kStrip; }
+uint stripAddress(uint layer_start, uint array, uvec2 node) {
+  return layer_start + array * kNumStrips + node.x * kRowStrips + node.y / kStrip;
+}
 
-vec4 readStrip(uint layer_start, uint array, uvec2 at) { return uintBitsToFloat(loadFour(LayerStrips, stripAddress(layer_start, array, at))); }
+vec4 readStrip(uint layer_start, uint array, uvec2 at) {
+  return uintBitsToFloat(loadFour(LayerStrips, stripAddress(layer_start, array, at)));
+}
 
 void writeStrip(uint layer_start, uint array, uvec2 at, vec4 values) {
   uint pair = 2 * stripAddress(layer_start, array, at);

@@ -1,7 +1,7 @@
 // The surface over the nodes of an elastic layer, from the heights that the contact pass leaves, and its overlap with the undeformed skin.
 //
-// Heights are in m, in P, with the slot in their lowest bits (depth/slots.glsl); kMiss without a surface. Overlaps are in thicknesses, positive below
-// Surface::origin.
+// Heights are in m, in P, with the slot in their lowest bits (depth/slots.glsl); kMiss without a surface. Overlaps are in thicknesses,
+// positive below Surface::origin.
 
 struct Surface {
   uint first_height;  // of the instance in heights[]
@@ -16,9 +16,7 @@ float nodeArea() { return nodeSpacing().x * nodeSpacing().y; }
 vec2 nodePosition(uvec2 node) { return (vec2(node) - 0.5 * vec2(NODE_ROWS - 1u, NODE_COLS - 1u)) * nodeSpacing(); }
 
 // y coordinates of the nodes of a strip, m.
-vec4 columnPositions(uvec2 at) {
-  return nodePosition(at).y + vec4(0, 1, 2, 3) * nodeSpacing().y;
-}
+vec4 columnPositions(uvec2 at) { return nodePosition(at).y + vec4(0, 1, 2, 3) * nodeSpacing().y; }
 
 bool isReached(Surface surface, uvec2 node) { return isInside(node, surface.reached); }
 
@@ -79,16 +77,16 @@ uvec4 reachedNodes(uint instance) {
 float lowestHeight(Surface surface, Window window) {
   uint v = gl_LocalInvocationIndex;
   if (v < window.num_parts) do {
-    float highest = -kMiss;
-    uint k = v;
-    do {
-      if (k < window.num_strips) highest = max(highest, largestOf(-heightsOver(surface, stripAt(window, k))));
-      k += LANES;
-    } while (k - v < window.num_strips);
-    checkLoop(k < window.num_strips);
-    setPartial(v, vec4(highest));
-    v += WORKGROUP;
-  } while (WORKGROUP < LANES && v < window.num_parts);
+      float highest = -kMiss;
+      uint k = v;
+      do {
+        if (k < window.num_strips) highest = max(highest, largestOf(-heightsOver(surface, stripAt(window, k))));
+        k += LANES;
+      } while (k - v < window.num_strips);
+      checkLoop(k < window.num_strips);
+      setPartial(v, vec4(highest));
+      v += WORKGROUP;
+    } while (WORKGROUP < LANES && v < window.num_parts);
   return -largestOfPartials(window.num_parts);
 }
 
@@ -97,8 +95,6 @@ float lowestHeight(Surface surface, Window window) {
 // At most 1: the skin is not pressed deeper than its thickness.
 vec4 overlapOf(Surface surface, vec4 height) { return min((surface.origin - height) / THICKNESS, 1.0); }
 
-vec4 overlapsOver(Surface surface, uvec2 at) {
-  return overlapOf(surface, heightsOver(surface, at));
-}
+vec4 overlapsOver(Surface surface, uvec2 at) { return overlapOf(surface, heightsOver(surface, at)); }
 
 float overlapAt(Surface surface, uvec2 node) { return overlapOf(surface, vec4(heightAt(surface, node))).x; }

@@ -9,7 +9,8 @@ void setTarget(Window window, uvec2 at, vec4 target, float limit) {
   if (largestOf(target) > kNoTarget) addSource(at);
 }
 
-// The columns for which setTargets() stores targets: first, end. They are those of whole bits of source_strips[], so that ranges of sources stay in the window.
+// The columns for which setTargets() stores targets: first, end. They are those of whole bits of source_strips[], so that ranges of sources
+// stay in the window.
 uvec2 targetColumns(Surface surface) {
   const uint kBitNodes = kStripsPerBit * kStrip;
   return min(uvec2(surface.reached.z, surface.reached.w + kBitNodes - 1u) / kBitNodes * kBitNodes, uvec2(kRowNodes));
@@ -47,9 +48,9 @@ void setTargets(Surface surface, float limit, inout Window window) {
   clearSources();
   uint k = gl_LocalInvocationIndex;
   if (k < window.num_strips) do {
-    setTarget(window, stripAt(window, k), overlapsOver(surface, stripAt(window, k)), limit);
-    k += WORKGROUP;
-  } while (k < window.num_strips);
+      setTarget(window, stripAt(window, k), overlapsOver(surface, stripAt(window, k)), limit);
+      k += WORKGROUP;
+    } while (k < window.num_strips);
   checkLoop(k < window.num_strips);
   shrinkWindow(surface, window);
 }
@@ -59,9 +60,9 @@ void limitTargets(Surface surface, float limit, inout Window window) {
   clearSources();
   uint k = gl_LocalInvocationIndex;
   if (k < window.num_strips) do {
-    setTarget(window, stripAt(window, k), readStrip(window, kLayerTarget, stripAt(window, k)), limit);
-    k += WORKGROUP;
-  } while (k < window.num_strips);
+      setTarget(window, stripAt(window, k), readStrip(window, kLayerTarget, stripAt(window, k)), limit);
+      k += WORKGROUP;
+    } while (k < window.num_strips);
   checkLoop(k < window.num_strips);
   shrinkWindow(surface, window);
 }
@@ -70,10 +71,10 @@ void limitTargets(Surface surface, float limit, inout Window window) {
 void clearPressures(Window window, bool first_step) {
   uint k = gl_LocalInvocationIndex;
   if (k < kNumStrips) do {
-    uvec2 at = stripNumbered(k);
-    if (first_step || !isInWindow(window, at)) writeStrip(window, kLayerPressure, at, vec4(0));
-    k += WORKGROUP;
-  } while (k < kNumStrips);
+      uvec2 at = stripNumbered(k);
+      if (first_step || !isInWindow(window, at)) writeStrip(window, kLayerPressure, at, vec4(0));
+      k += WORKGROUP;
+    } while (k < kNumStrips);
   checkLoop(k < kNumStrips);
   workgroupBarrierWithBuffers();
 }

@@ -1,8 +1,8 @@
-// The strips that the solver visits: the window (strips that may be in contact) and the sources (strips over which an array is not zero), with the reductions
-// over the window.
+// The strips that the solver visits: the window (strips that may be in contact) and the sources (strips over which an array is not zero),
+// with the reductions over the window.
 //
-// The window has the same number of strips in each of its rows, but its own first column per row, so that a contact along a diagonal does not need the bounding
-// rectangle. Sources are one range of strips per row.
+// The window has the same number of strips in each of its rows, but its own first column per row, so that a contact along a diagonal does
+// not need the bounding rectangle. Sources are one range of strips per row.
 // Shared memory: 16 LANES + 8 NODE_ROWS + 8 bytes. A workgroup works on one instance, and all its invocations hold the same Window.
 
 const float kNoTarget = -kNoHeight;  // target of a node that cannot be touched; also the identity of the maximum
@@ -12,13 +12,13 @@ struct Window {
   uvec2 rows;        // first row, number of rows
   uint width;        // strips per row, at least 1
   uint num_strips;
-  uint num_parts;    // partial sums over these strips
+  uint num_parts;  // partial sums over these strips
 };
 
-shared uint window_first[NODE_ROWS];                         // first column of the window in each row
-shared uint source_strips[NODE_ROWS];                        // sources of each row, a bit for every kStripsPerBit strips
-shared uint source_rows;                                     // rows that have sources, a bit for every kRowsPerBit rows
-shared uint widest;                                          // largest number of strips of a row
+shared uint window_first[NODE_ROWS];   // first column of the window in each row
+shared uint source_strips[NODE_ROWS];  // sources of each row, a bit for every kStripsPerBit strips
+shared uint source_rows;               // rows that have sources, a bit for every kRowsPerBit rows
+shared uint widest;                    // largest number of strips of a row
 
 // `rows`: first row, number of rows. The caller sets window_first[].
 void setWindow(inout Window window, uvec2 rows, uint width) {

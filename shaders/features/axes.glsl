@@ -4,7 +4,8 @@ const float kPi = 3.14159265358979;
 // m^2; an image whose eigenvalues differ by less than (1 um)^2 has no direction.
 const float kNoDirection = 1e-12;
 
-// atan2 to 2e-7 rad, by a series, since Vulkan permits errors of 4096 units in the last place. 0 for (0, 0); pi, not -pi, for y = +-0, x < 0.
+// atan2 to 2e-7 rad, by a series, since Vulkan permits errors of 4096 units in the last place. 0 for (0, 0); pi, not -pi, for y = +-0, x <
+// 0.
 float angleOf(float y, float x) {
   float large = max(abs(x), abs(y));
   if (large == 0.0) return 0.0;

@@ -1,5 +1,5 @@
-// Parts of an instance, of which contact_features.comp computes one row of features each: the sensor, its patches (none of a list of taxels), its regions. The
-// planes of their moments are in shared/sensor.h. Lengths in m.
+// Parts of an instance, of which contact_features.comp computes one row of features each: the sensor, its patches (none of a list of
+// taxels), its regions. The planes of their moments are in shared/sensor.h. Lengths in m.
 
 const bool kList = PATCHES == 0;      // taxels with positions of their own
 const bool kOnePatch = PATCHES == 1;  // its row equals the sensor's, and is not computed apart
@@ -18,18 +18,19 @@ bool reportsForce(float force, float trigger) { return force > (is_clean ? trigg
 
 // The taxels of one row of an instance: the sensor's, a patch's or a region's.
 struct Part {
-  uint first_four;   // of the instance, in forces[] and taxel_regions[]
-  uint first, end;   // range that holds its taxels
-  uint region;       // its taxels are those of this region; kNoRegion: all in the range
+  uint first_four;  // of the instance, in forces[] and taxel_regions[]
+  uint first, end;  // range that holds its taxels
+  uint region;      // its taxels are those of this region; kNoRegion: all in the range
   uint plane;
-  bool is_grid;      // the taxels are those of the plane's grid; else their positions are in S
-  vec4 pitch;        // of the plane
-  vec2 size;         // of the grid, rows and columns
-  float per_col;     // 1 / columns
-  vec3 per_pitch;    // 1 / pitch
+  bool is_grid;    // the taxels are those of the plane's grid; else their positions are in S
+  vec4 pitch;      // of the plane
+  vec2 size;       // of the grid, rows and columns
+  float per_col;   // 1 / columns
+  vec3 per_pitch;  // 1 / pitch
 };
 
-// Whether the first region has all forces of its instance: its row then has the values of the sensor's, except for the type, and is not computed apart.
+// Whether the first region has all forces of its instance: its row then has the values of the sensor's, except for the type, and is not
+// computed apart.
 bool hasOnlyRegion(uint instance) { return kOnePatch && REGIONS > 0 && (regions[instance * REGIONS] & kOnlyRegion) != 0; }
 
 // Part `number` (< kParts) of an instance; empty if it is not due or its region does not exist.
@@ -68,7 +69,8 @@ vec3 inPlane(Part part, vec3 p) {
 // Position of a taxel in C, m.
 vec3 positionOf(Part part, uint t) {
   if (kOnePatch || part.is_grid) {
-    // The row by a float multiplication instead of a division (driver/README.md). It is half a taxel from the next row, far more than rounding.
+    // The row by a float multiplication instead of a division (driver/README.md). It is half a taxel from the next row, far more than
+    // rounding.
     float number = float(t - part.first);
     float i = floor((number + 0.5) * part.per_col);
     return vec3((vec2(i, number - i * part.size.y) - 0.5 * (part.size - 1.0)) * part.pitch.xy, 0);
@@ -77,6 +79,4 @@ vec3 positionOf(Part part, uint t) {
 }
 
 // Mean place of what a taxel receives, in C, m. `reception`: receptionOf(t).
-vec3 receptionPlace(Part part, uint t, vec4 reception) {
-  return inPlane(part, vec3(reception.xy, kOnePatch ? 0.0 : readoutOf(t).w));
-}
+vec3 receptionPlace(Part part, uint t, vec4 reception) { return inPlane(part, vec3(reception.xy, kOnePatch ? 0.0 : readoutOf(t).w)); }

@@ -1,4 +1,5 @@
-// Sums over the taxels of a part (features/contact_parts.glsl), in a fixed order. Forces in N, lengths in m. Twin: src/reference/contact_features.cpp.
+// Sums over the taxels of a part (features/contact_parts.glsl), in a fixed order. Forces in N, lengths in m. Twin:
+// src/reference/contact_features.cpp.
 
 const float kWindow = 1.15;  // standard deviation of the Gaussian window, pitches
 
@@ -13,8 +14,8 @@ const uint kSumsRidge = 16u;  // from kAfterWindow: normal equations of a step o
 
 const uint kAfterWindow = 6u;
 
-// With kSumsSecond, the sums over core taxels begin here: their number, first (2) and second (3) moments of their positions (pitches), forces less `force`,
-// first moments (2) and squares of these.
+// With kSumsSecond, the sums over core taxels begin here: their number, first (2) and second (3) moments of their positions (pitches),
+// forces less `force`, first moments (2) and squares of these.
 const uint kCore = kAfterWindow + 6u;
 
 bool has(uint kinds, uint kind) { return (kinds & kind) != 0u; }
@@ -58,9 +59,10 @@ void addCore(float one, float more, vec2 at, inout PartSums sums) {
   sums.s[kCore + 9] += more * more;
 }
 
-// Adds taxel `t`. `weight`: its force, N; `trigger`: that of its clean force, N; `word`: its word in taxel_regions. `middle`: the point of the moments, in C;
-// `force`: the largest force (kSumsPeak) or the mean force (kSumsSecond), N.
-void addTaxel(uint kinds, Part part, uint t, float weight, float trigger, uint word, vec3 middle, float force, Ridge ridge, inout PartSums sums) {
+// Adds taxel `t`. `weight`: its force, N; `trigger`: that of its clean force, N; `word`: its word in taxel_regions. `middle`: the point of
+// the moments, in C; `force`: the largest force (kSumsPeak) or the mean force (kSumsSecond), N.
+void addTaxel(uint kinds, Part part, uint t, float weight, float trigger, uint word, vec3 middle, float force, Ridge ridge,
+              inout PartSums sums) {
   bool is_in_range = t >= part.first && t < part.end, is_in = is_in_range && isOfRegion(part, word);
   t = min(t, NUM_TAXELS - 1u);
   if (has(kinds, kSumsRidge)) addToRidge(part, t, weight, is_in_range, is_in, ridge, kAfterWindow, sums);
@@ -98,7 +100,8 @@ void addFour(uint kinds, Part part, uint four, vec3 middle, float force, Ridge r
   vec4 triggers = has(kinds, kSumsForce) ? floatsOfFour(Triggers, four) : vec4(0);
   uvec4 words = uvec4(0);
   if (REGIONS > 0 || has(kinds, kSumsSecond)) words = fourOf(TaxelRegions, part.first_four + four);
-  [[unroll]] for (uint k = 0; k < 4u; ++k) addTaxel(kinds, part, 4u * four + k, weights[k], triggers[k], words[k], middle, force, ridge, sums);
+  [[unroll]] for (uint k = 0; k < 4u; ++k)
+      addTaxel(kinds, part, 4u * four + k, weights[k], triggers[k], words[k], middle, force, ridge, sums);
 }
 
 // Sums of a scan over all taxels of a part; every invocation of the team gets them. A partial sum has every LANES-th four of taxels.

@@ -1,6 +1,6 @@
-// Type of a contact (ContactType, shared/features.h), from length and width of the rectangle of uniform pressure that has its second moments, less what spread
-// and taxel size add to them. A contact that is as wide as the array is no edge: the array ends there, not the contact. Twin:
-// src/reference/contact_features.cpp.
+// Type of a contact (ContactType, shared/features.h), from length and width of the rectangle of uniform pressure that has its second
+// moments, less what spread and taxel size add to them. A contact that is as wide as the array is no edge: the array ends there, not the
+// contact. Twin: src/reference/contact_features.cpp.
 
 const float kNoiseFactor = 5.0;     // standard deviations of the noise that a force must exceed
 const float kMaxPointLength = 2.5;  // pitches

@@ -1,8 +1,9 @@
-// Core taxels of a contact: those so far inside it that the spread brings them as much force as it takes away. All taxels of the patch around a core taxel
-// report. A taxel at the patch's border is never one, since the contact may end anywhere beyond it. Twin: src/reference/contact_features.cpp.
+// Core taxels of a contact: those so far inside it that the spread brings them as much force as it takes away. All taxels of the patch
+// around a core taxel report. A taxel at the patch's border is never one, since the contact may end anywhere beyond it. Twin:
+// src/reference/contact_features.cpp.
 //
-// A taxel is one where all taxels of its row within the patch's core distance report, and the same holds for all of its column within that distance. A line of
-// taxels is read once: a window ends at taxel j, and `run` counts the taxels up to j that have the wanted mark.
+// A taxel is one where all taxels of its row within the patch's core distance report, and the same holds for all of its column within that
+// distance. A line of taxels is read once: a window ends at taxel j, and `run` counts the taxels up to j that have the wanted mark.
 
 // Whether the window of taxel j - distance, the part of it on the line, has the mark throughout; false for the ends of the line.
 bool isInside(uint j, uint distance, uint size, uint run) {
@@ -28,7 +29,8 @@ void markCoreInColumn(Instance instance, uint first, uvec4 grid) {
     if (i < grid.x) run = (taxel_regions[instance.first_word + first + i * grid.y] & kCoreInRow) != 0 ? run + 1u : 0u;
     if (!isInside(i, distance, grid.x, run)) continue;
     uint taxel = first + (i - distance) * grid.y;
-    if (is_clean || float(wordOfFours(Image, instance.first_taxel + taxel)) < SATURATION) taxel_regions[instance.first_word + taxel] |= kCoreTaxel;
+    if (is_clean || float(wordOfFours(Image, instance.first_taxel + taxel)) < SATURATION)
+      taxel_regions[instance.first_word + taxel] |= kCoreTaxel;
   }
   checkLoop(i < grid.x + distance);
 }

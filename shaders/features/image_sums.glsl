@@ -1,4 +1,5 @@
-// Sums over the taxels of an image, from which stage 6 computes features; and their total over a team in a fixed order. Forces in N, lengths in m.
+// Sums over the taxels of an image, from which stage 6 computes features; and their total over a team in a fixed order. Forces in N,
+// lengths in m.
 // Shared memory: 4 PARTIALS bytes, PARTIALS = kNumSums LANES per team of more than one invocation.
 
 const uint kPeak = 8u;  // index of the largest force among the kSumsPerImage sums of an image (passes/image.h)

@@ -1,5 +1,5 @@
-// Parts of an instance, of which tactile_jacobian.comp computes one row of derivatives each: the sensor and its patches (none of a list of taxels). The planes
-// of their moments are in shared/sensor.h. Lengths in m.
+// Parts of an instance, of which tactile_jacobian.comp computes one row of derivatives each: the sensor and its patches (none of a list of
+// taxels). The planes of their moments are in shared/sensor.h. Lengths in m.
 
 const bool kOnePatch = PATCHES == 1;  // its row equals the sensor's, and is not computed apart
 const uint kRows = 1 + PATCHES;
@@ -10,12 +10,12 @@ struct Part {
   uint instance;
   uint first, end;  // range of its taxels
   uint plane;
-  bool is_grid;     // the taxels are those of the plane's grid; else their positions are in S
-  vec2 pitch;       // of the plane
-  vec2 size;        // of the grid, rows and columns
-  vec2 gains;       // of the instance: factor on all gains, spread between taxels
-  uvec2 keys;       // of the instance, for random numbers
-  vec2 readout;     // of the first taxel of the sensor: gain; trigger, N
+  bool is_grid;  // the taxels are those of the plane's grid; else their positions are in S
+  vec2 pitch;    // of the plane
+  vec2 size;     // of the grid, rows and columns
+  vec2 gains;    // of the instance: factor on all gains, spread between taxels
+  uvec2 keys;    // of the instance, for random numbers
+  vec2 readout;  // of the first taxel of the sensor: gain; trigger, N
 };
 
 // Part `number` (< kParts) of an instance; empty if it is not due.

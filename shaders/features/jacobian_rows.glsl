@@ -1,4 +1,5 @@
-// Derivatives of total force, centre of pressure and edge angle from those of the moments. Layout: shared/features.h. Twin: src/reference/tactile_jacobian.cpp.
+// Derivatives of total force, centre of pressure and edge angle from those of the moments. Layout: shared/features.h. Twin:
+// src/reference/tactile_jacobian.cpp.
 
 // Derivatives of the features of a row by one coordinate of the twist, per m or rad.
 struct Change {
@@ -8,8 +9,8 @@ struct Change {
 
 Change noChange() { return Change(0.0, 0.0, vec3(0)); }
 
-// From the derivatives of force and of moments about the centre of pressure: mean and second moments are quotients, the angle is 1/2 atan2(2 xy, xx - yy).
-// `force`: N; `second`: central second moments, m^2.
+// From the derivatives of force and of moments about the centre of pressure: mean and second moments are quotients, the angle is 1/2
+// atan2(2 xy, xx - yy). `force`: N; `second`: central second moments, m^2.
 Change changeOf(PartSums sums, float force, vec3 second, Axes axes) {
   Change change = Change(sums.s[0], 0.0, vec3(sums.s[1], sums.s[2], sums.s[3]) / force);
   vec3 moments = (vec3(sums.s[4], sums.s[5], sums.s[6]) - second * sums.s[0]) / force;

@@ -1,8 +1,8 @@
-// Sums over the taxels of a part (features/jacobian_parts.glsl) or the tiles of its instance, in a fixed order. `middle`: the point of the moments, in C, m;
-// `k`: a coordinate of the sensor's twist. Twin: src/reference/tactile_jacobian.cpp.
+// Sums over the taxels of a part (features/jacobian_parts.glsl) or the tiles of its instance, in a fixed order. `middle`: the point of the
+// moments, in C, m; `k`: a coordinate of the sensor's twist. Twin: src/reference/tactile_jacobian.cpp.
 //
-// The moments of a part are sums over its taxels t of a weight of t times the changes of the contact forces that spread to t. The kernel of a grid is applied
-// to the weights rather than to the changes: one kernel serves six coordinates of the twist.
+// The moments of a part are sums over its taxels t of a weight of t times the changes of the contact forces that spread to t. The kernel of
+// a grid is applied to the weights rather than to the changes: one kernel serves six coordinates of the twist.
 
 // What is summed over the taxels of a part.
 const uint kSumsFirst = 0u;   // force, first moments (3)
@@ -51,8 +51,8 @@ void addMoments(Part part, uint t, float weight, vec3 p, inout PartSums moments)
   addSecond(weight, p, 4, moments);
 }
 
-// Adds those by the force of the taxel at an offset of rows and columns from taxel t, which is `at`; with the weight 0 where there is none. No branch: software
-// drivers execute both sides.
+// Adds those by the force of the taxel at an offset of rows and columns from taxel t, which is `at`; with the weight 0 where there is none.
+// No branch (driver/README.md).
 void addReceiver(Part part, uint t, ivec2 at, int a, int b, vec3 middle, inout PartSums moments) {
   ivec2 receiver = at + ivec2(a, b);
   bool exists = all(lessThan(uvec2(receiver), uvec2(NUM_ROWS, NUM_COLS)));  // wraps to large numbers outside
@@ -82,7 +82,8 @@ PartSums momentsBy(Part part, uint t, vec3 middle) {
 void addChanges(Part part, uint t, vec3 middle, inout Changes changes) {
   PartSums moments = momentsBy(part, t, middle);
   for (uint k = 0; k < 6; ++k) {
-    float change = NUM_ROWS == 0 ? spreadChange(part.instance, t, k) : floatOfFours(TaxelJacobian, (part.instance * 6 + k) * NUM_TAXELS + t);
+    float change =
+        NUM_ROWS == 0 ? spreadChange(part.instance, t, k) : floatOfFours(TaxelJacobian, (part.instance * 6 + k) * NUM_TAXELS + t);
     for (uint s = 0; s < kMostSums; ++s) {
       if (NUM_ROWS == 0 || s != 3) changes.by[k].s[s] += change * moments.s[s];
     }

@@ -19,8 +19,8 @@ vec3 centralMoments(float weight, vec2 first, vec3 second) {
   return central;
 }
 
-// Writes the 13 image features of one of `num_rows` rows, an instance or a part of one. Layout: shared/features.h; `start`: features before this block.
-// `origin`: of the sums, in C, m.
+// Writes the 13 image features of one of `num_rows` rows, an instance or a part of one. Layout: shared/features.h; `start`: features before
+// this block. `origin`: of the sums, in C, m.
 void writeMoments(uint start, uint row, uint num_rows, Moments m, vec3 origin, vec4 X_SC_row0, vec4 X_SC_row1, vec4 X_SC_row2) {
   vec3 center = vec3(0), second = vec3(0);
   Axes axes = Axes(0.0, 0.0, 0.0, 0.0);

@@ -1,40 +1,44 @@
-// Regions and core taxels of one grid of at most 32 x 32 taxels by one invocation, a bit per taxel in a word per row: the results of regions.glsl,
-// region_selection.glsl and core_taxels.glsl without their loads and stores (driver/README.md).
+// Regions and core taxels of one grid of at most 32 x 32 taxels by one invocation, a bit per taxel in a word per row: the results of
+// regions.glsl, region_selection.glsl and core_taxels.glsl without their loads and stores (driver/README.md).
 // Mutable globals: the words of the rows.
 
 const uint kMostBits = 32u;
-const bool kByBits = TEAM == 1u && NUM_ROWS > 0u && NUM_ROWS <= kMostBits && NUM_COLS <= kMostBits;
+const bool kByBits = TEAM == 1u && NUM_ROWS > 0u && NUM_ROWS <= kMostBits&& NUM_COLS <= kMostBits;
 const uint kBitRows = kByBits ? NUM_ROWS : 1u;
 
 uint reporting[kBitRows];  // taxels that report and are in no region yet
 uint core[kBitRows];       // core taxels; until they are found, those that are not saturated
 uint grown[kBitRows];      // taxels of the region that is being found
 
-// Writes the forces of all taxels and the words of the silent ones; returns the largest force of those that report. `is_stray`: a silent taxel has a force.
+// Writes the forces of all taxels and the words of the silent ones; returns the largest force of those that report. `is_stray`: a silent
+// taxel has a force.
 float writeForcesByBits(Instance instance, out bool is_stray) {
   is_stray = false;
   float peak = 0.0;
   uint row = 0, t = 0;
   if (instance.end > 0) do {
-    uint reports = 0, below = 0, col = 0;
-    [[dont_unroll]] do {
-      Measured measured = measuredAt(instance, t);
-      forces[instance.first_word + t] = measured.force;
-      taxel_regions[instance.first_word + t] = measured.reports ? t : kNoRegion;
-      if (measured.reports) peak = max(peak, measured.force);
-      is_stray = is_stray || !measured.reports && measured.force != 0.0;
-      reports |= (measured.reports ? 1u : 0u) << col;
-      below |= (measured.saturated ? 0u : 1u) << col;
-      ++t;
-    } while (++col < NUM_COLS);
-    reporting[row] = reports;
-    core[row] = below;
-  } while (++row < kBitRows);
+      uint reports = 0, below = 0, col = 0;
+      [[dont_unroll]] do {
+        Measured measured = measuredAt(instance, t);
+        forces[instance.first_word + t] = measured.force;
+        taxel_regions[instance.first_word + t] = measured.reports ? t : kNoRegion;
+        if (measured.reports) peak = max(peak, measured.force);
+        is_stray = is_stray || !measured.reports && measured.force != 0.0;
+        reports |= (measured.reports ? 1u : 0u) << col;
+        below |= (measured.saturated ? 0u : 1u) << col;
+        ++t;
+      }
+      while (++col < NUM_COLS)
+        ;
+      reporting[row] = reports;
+      core[row] = below;
+    } while (++row < kBitRows);
   checkLoop(row < kBitRows && instance.end > 0);
   return peak;
 }
 
-// The taxels of a row around which all taxels within `distance` report; taxels beyond its ends count as such that do, and its ends never are core taxels.
+// The taxels of a row around which all taxels within `distance` report; taxels beyond its ends count as such that do, and its ends never
+// are core taxels.
 uint coreOfRow(uint bits, uint distance) {
   const uint kRow = 0xFFFFFFFFu >> (kMostBits - NUM_COLS), kEnds = 1u | 1u << (NUM_COLS - 1u);
   uint found = bits & ~kEnds;

@@ -1,8 +1,8 @@
-// Forces of regions, and the selection of the largest. Forces are summed as integers, shares of the largest force in FORCE_STEPS steps, so that the order of
-// additions does not matter. Twin: src/reference/contact_features.cpp.
+// Forces of regions, and the selection of the largest. Forces are summed as integers, shares of the largest force in FORCE_STEPS steps, so
+// that the order of additions does not matter. Twin: src/reference/contact_features.cpp.
 // Shared memory: 12 bytes per team.
 
-shared uint num_regions[kTeams];    // regions of the team's instance
+shared uint num_regions[kTeams];                     // regions of the team's instance
 shared uint selected_sum[kTeams], selected[kTeams];  // of the region that is being selected: its sum plus 1, its name
 
 // Names every taxel's region, and sums the forces of a region at the taxel that names it.

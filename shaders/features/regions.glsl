@@ -1,8 +1,8 @@
-// Connected regions of taxels that report, by union-find over taxel_regions[] (shared/features.h): a region is named by its lowest taxel, whatever order taxels
-// are united in. Twin: src/reference/contact_features.cpp.
+// Connected regions of taxels that report, by union-find over taxel_regions[] (shared/features.h): a region is named by its lowest taxel,
+// whatever order taxels are united in. Twin: src/reference/contact_features.cpp.
 
-// Root of taxel `t`: the taxel that names its region so far. Path halving. Names only fall, so that no invocation replaces the name that another one has found by
-// an older one.
+// Root of taxel `t`: the taxel that names its region so far. Path halving. Names only fall, so that no invocation replaces the name that
+// another one has found by an older one.
 uint findRoot(uint first_word, uint t) {
   uint next = taxel_regions[first_word + t];
   while (next != t) {
@@ -19,8 +19,8 @@ uint findRoot(uint first_word, uint t) {
   return t;
 }
 
-// Unites the regions of two taxels under the lower of their names. If another invocation has changed the higher root meanwhile, its new parent is united as
-// well.
+// Unites the regions of two taxels under the lower of their names. If another invocation has changed the higher root meanwhile, its new
+// parent is united as well.
 void unite(uint first_word, uint a, uint b) {
   bool done = false;
   while (!done) {

@@ -1,12 +1,13 @@
-// Direction of an edge as the ridge of a Gaussian, exp of a quadratic in u and v, fitted to the forces of a part by iteratively reweighted least squares: a
-// regression with a log link whose deviations grow with the force, as gains that differ between taxels make them (McCullagh and Nelder, Generalized Linear
-// Models, 1989, chapter 8). Twin: src/reference/ridge_edge.cpp.
+// Direction of an edge as the ridge of a Gaussian, exp of a quadratic in u and v, fitted to the forces of a part by iteratively reweighted
+// least squares: a regression with a log link whose deviations grow with the force, as gains that differ between taxels make them
+// (McCullagh and Nelder, Generalized Linear Models, 1989, chapter 8). Twin: src/reference/ridge_edge.cpp.
 //
 //   log(force / peak) = b0 + b1 u + b2 v + b3 u^2 + b4 u v + b5 v^2,    weight 1 / (1 + (noise / (scatter force))^2)
 //
-// u and v run along the principal axes of the forces, in units of their standard deviations. The fit starts from the Gaussian with these moments, so that two
-// rounds suffice; from a regression of the logarithms of the forces, which silent taxels do not have, it took four. The place of a taxel is the mean place of
-// what it receives (TaxelRecord::reception), which near a border is not its middle. A silent taxel counts where the fit expects more than its trigger.
+// u and v run along the principal axes of the forces, in units of their standard deviations. The fit starts from the Gaussian with these
+// moments, so that two rounds suffice; from a regression of the logarithms of the forces, which silent taxels do not have, it took four.
+// The place of a taxel is the mean place of what it receives (TaxelRecord::reception), which near a border is not its middle. A silent
+// taxel counts where the fit expects more than its trigger.
 
 const uint kRidgeIterations = 2u;
 const uint kRidgeUnknowns = 6u, kRidgeMoments = 15u;  // moments of u and v up to the fourth
@@ -34,8 +35,8 @@ Ridge noRidge() {
   return ridge;
 }
 
-// Adds a taxel to the normal equations, from sum `first`: 15 moments of the weights, 6 right sides. `measured`: its force, N; `is_in_range`: it is in the part's
-// range; `is_in`: it is one of the part. No branches (driver/README.md).
+// Adds a taxel to the normal equations, from sum `first`: 15 moments of the weights, 6 right sides. `measured`: its force, N;
+// `is_in_range`: it is in the part's range; `is_in`: it is one of the part. No branches (driver/README.md).
 void addToRidge(Part part, uint t, float measured, bool is_in_range, bool is_in, Ridge ridge, uint first, inout PartSums sums) {
   vec4 reception = receptionOf(t);
   float trigger = reception.z;
@@ -45,7 +46,8 @@ void addToRidge(Part part, uint t, float measured, bool is_in_range, bool is_in,
   float u = dot(ridge.along, p) * ridge.per_unit.x, v = dot(vec2(-ridge.along.y, ridge.along.x), p) * ridge.per_unit.y;
   float uu = u * u, uv = u * v, vv = v * v;
   // By degree; written out, because drivers do not unroll loops with such bounds.
-  float monomials[kRidgeMoments] = float[](1.0, u, v, uu, uv, vv, uu * u, uu * v, u * vv, v * vv, uu * uu, uu * uv, uu * vv, uv * vv, vv * vv);
+  float monomials[kRidgeMoments] =
+      float[](1.0, u, v, uu, uv, vv, uu * u, uu * v, u * vv, v * vv, uu * uu, uu * uv, uu * vv, uv * vv, vv * vv);
   float logarithm = 0.0;
   for (uint k = 0; k < kRidgeUnknowns; ++k) logarithm += ridge.b[k] * monomials[k];
   logarithm = clamp(logarithm, kLeastLog, kMostLog);

@@ -1,7 +1,7 @@
 // The fit of a ridge to a part (features/ridge.glsl), and its angle. Twin: src/reference/ridge_edge.cpp.
 
-// Solves the normal equations, with the prior, by the Schur complement of the linear part: matrices of three rows, because drivers do not unroll loops over
-// six.
+// Solves the normal equations, with the prior, by the Schur complement of the linear part: matrices of three rows, because drivers do not
+// unroll loops over six.
 void solveRidge(PartSums sums, inout Ridge ridge) {
   float m[kRidgeMoments + kRidgeUnknowns];
   for (uint k = 0; k < kRidgeMoments + kRidgeUnknowns; ++k) m[k] = sums.s[kAfterWindow + k];

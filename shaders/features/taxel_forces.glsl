@@ -1,4 +1,5 @@
-// Forces of an image's taxels (N): the clean ones, or those of the counts by the nominal curve (readout/readout.glsl); and the largest of them.
+// Forces of an image's taxels (N): the clean ones, or those of the counts by the nominal curve (readout/readout.glsl); and the largest of
+// them.
 // Shared memory: 4 bytes per team.
 
 shared uint peak_bits[kTeams];  // largest force of the team's instance, as bits; 0 at the start
@@ -19,7 +20,8 @@ Measured measuredAt(Instance instance, uint t) {
   return Measured(nominalForce(word), word > 0, float(word) >= SATURATION);
 }
 
-// Writes the forces of all taxels, and the words in taxel_regions: itself, or kNoRegion where one does not report. Returns the largest force of those that do.
+// Writes the forces of all taxels, and the words in taxel_regions: itself, or kNoRegion where one does not report. Returns the largest
+// force of those that do.
 float writeForces(Instance instance, uint lane, uint team) {
   float peak = 0.0;
   for (uint t = lane; t < instance.end; t += TEAM) {

@@ -1,8 +1,9 @@
-// Tilt of a flat face against the plane of its taxels, from a least-squares plane p + g . x through the forces of the core taxels. The slope is g over the
-// skin's stiffness, d pressure / d depth = STIFFNESS pressure^(1 - 1 / EXPONENT). Twin: src/reference/contact_features.cpp.
+// Tilt of a flat face against the plane of its taxels, from a least-squares plane p + g . x through the forces of the core taxels. The
+// slope is g over the skin's stiffness, d pressure / d depth = STIFFNESS pressure^(1 - 1 / EXPONENT). Twin:
+// src/reference/contact_features.cpp.
 
-// Core taxels in one row or column have no second moment across it, any others at least 3/4 of a pitch squared. The determinant is 0 but for rounding for
-// taxels on a diagonal line, and 1.8e-4 times the product of the diagonal for two rows of 128.
+// Core taxels in one row or column have no second moment across it, any others at least 3/4 of a pitch squared. The determinant is 0 but
+// for rounding for taxels on a diagonal line, and 1.8e-4 times the product of the diagonal for two rows of 128.
 const float kMinSpread = 3e-5;
 
 struct Tilt {
@@ -17,7 +18,8 @@ Tilt tiltOf(PlaneRecord plane, PartSums sums, float force) {
   if (n < 4.0) return none;  // any three points fit a plane
   vec2 middle = vec2(sums.s[kCore + 1], sums.s[kCore + 2]) / n;
   float mean = sums.s[kCore + 6] / n;
-  vec3 area = vec3(sums.s[kCore + 3], sums.s[kCore + 4], sums.s[kCore + 5]) - n * vec3(middle.x * middle.x, middle.x * middle.y, middle.y * middle.y);
+  vec3 area = vec3(sums.s[kCore + 3], sums.s[kCore + 4], sums.s[kCore + 5]) -
+              n * vec3(middle.x * middle.x, middle.x * middle.y, middle.y * middle.y);
   vec2 moment = vec2(sums.s[kCore + 7], sums.s[kCore + 8]) - n * mean * middle;
   float determinant = area.x * area.z - area.y * area.y;
   if (min(area.x, area.z) < 0.5 || determinant <= kMinSpread * area.x * area.z) return none;

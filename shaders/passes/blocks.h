@@ -96,7 +96,7 @@
 #define BLOCK_LayerStrips BLOCK(LayerStrips, uvec4, layer_strips[])               // Layer, to be loaded four words at a time
 #define BLOCK_ForceFours BLOCK(ForceFours, vec4, force_fours[])      // ContactNormal or MaskedNormal, to be loaded four taxels at a time
 #define BLOCK_ResultFours BLOCK(ResultFours, uvec4, result_fours[])  // TileResults, to be loaded four words at a time
-#define BLOCK_Triggers BLOCK(Triggers, float, triggers[])                     // (t, padded to fours), N
+#define BLOCK_Triggers BLOCK(Triggers, float, triggers[])            // (t, padded to fours), N
 #define BLOCK_CleanFeatureSource BLOCK(CleanFeatureSource, uint, feature_source)
 #define BLOCK_CleanContactFeatures BLOCK(CleanContactFeatures, float, features[])
 #define BLOCK_CleanTactileJacobian BLOCK(CleanTactileJacobian, float, features[])  // with the wrench's after that of the features

@@ -1,4 +1,5 @@
-// Clears the outputs of the taxels that the step before has written (all of them where it is not known) outside the window. `lane`: of the team.
+// Clears the outputs of the taxels that the step before has written (all of them where it is not known) outside the window. `lane`: of the
+// team.
 void clearOutside(uint instance, uint lane, ImageWindow window, bool new_frame) {
   if (!kOnePatch) return;
   uvec4 before = KEEPS_WINDOW ? image_windows[instance] : uvec4(0, 0, kRows, kCols);

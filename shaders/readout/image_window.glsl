@@ -1,7 +1,8 @@
-// The part of a sensor's taxels that carries forces: rectangles of the grid patch, or all taxels in rows of kCols (the last one padded) on other sensors.
+// The part of a sensor's taxels that carries forces: rectangles of the grid patch, or all taxels in rows of kCols (the last one padded) on
+// other sensors.
 //
-// The includer defines kContactMargin (so far around the taxels that objects reach there are forces before the spread), kSpreadRadius (so far these spread) and
-// WHOLE_ARRAY (there are forces everywhere).
+// The includer defines kContactMargin (so far around the taxels that objects reach there are forces before the spread), kSpreadRadius (so
+// far these spread) and WHOLE_ARRAY (there are forces everywhere).
 
 const bool kOnePatch = NUM_ROWS > 0;
 // Scalars (driver/README.md).

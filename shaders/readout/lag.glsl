@@ -2,8 +2,8 @@
 //
 //   spread force -> hysteresis -> creep -> low-pass -> delay ring -> force that a frame shows
 //
-// States of a taxel in taxel_states, NUM_TAXELS apart: one per hysteresis element and creep term, one of the low-pass and one of the random walk if they are
-// on, then the ring of forces of the delay. In the first step since reset all count as 0: a sensor long unloaded.
+// States of a taxel in taxel_states, NUM_TAXELS apart: one per hysteresis element and creep term, one of the low-pass and one of the random
+// walk if they are on, then the ring of forces of the delay. In the first step since reset all count as 0: a sensor long unloaded.
 
 struct Lag {
   vec4 hysteresis_strength, hysteresis_width;  // of each element; width in N
@@ -12,9 +12,7 @@ struct Lag {
 };
 
 // A function: glslang 12 orders long constant expressions so that the module is invalid.
-uint numStates() {
-  return NUM_HYSTERESIS + NUM_CREEP + uint(LOW_PASS) + uint(RANDOM_WALK) + (DELAY ? kMaxDelaySteps : 0u);
-}
+uint numStates() { return NUM_HYSTERESIS + NUM_CREEP + uint(LOW_PASS) + uint(RANDOM_WALK) + (DELAY ? kMaxDelaySteps : 0u); }
 
 bool hasState() { return numStates() > 0; }
 
@@ -32,9 +30,9 @@ Lag loadLag() {
 }
 
 struct LagState {
-  uint first;  // index in taxel_states
-  uint step;   // since reset
-  uint back;   // steps back to the force that a frame shows
+  uint first;        // index in taxel_states
+  uint step;         // since reset
+  uint back;         // steps back to the force that a frame shows
   float hysteresis;  // the instance's factor on hysteresis
 };
 

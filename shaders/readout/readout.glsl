@@ -1,4 +1,5 @@
-// Stage 5: force after spread and lag (N) to counts, and back by the nominal curve; include/taxelsim/sensor.h, Readout. Twin: src/reference/readout.cpp.
+// Stage 5: force after spread and lag (N) to counts, and back by the nominal curve; include/taxelsim/sensor.h, Readout. Twin:
+// src/reference/readout.cpp.
 
 // Coefficient of x^power; that of a straight line is a specialization constant.
 float curveCoefficient(int power) {
@@ -6,7 +7,8 @@ float curveCoefficient(int power) {
   return power <= 4 ? sensor.curve0[power - 1] : sensor.curve1[power - 5];
 }
 
-// The piece of a piecewise linear curve for x = gain F - trigger (axis 0) or for the counts y (axis 1); the first and last piece extend beyond the curve.
+// The piece of a piecewise linear curve for x = gain F - trigger (axis 0) or for the counts y (axis 1); the first and last piece extend
+// beyond the curve.
 vec4 curvePiece(float value, int axis) {
   vec4 piece = sensor.curve_pieces[0];
   for (int k = 1; k < CURVE_PIECES; ++k) {
@@ -29,13 +31,9 @@ float curveAt(float x) {
 }
 
 // Saturation of a voltage divider, and its inverse.
-float limitCounts(float y) {
-  return CURVE_LIMIT > 0.0 && y > 0.0 ? y * CURVE_LIMIT / (CURVE_LIMIT + y) : y;
-}
+float limitCounts(float y) { return CURVE_LIMIT > 0.0 && y > 0.0 ? y * CURVE_LIMIT / (CURVE_LIMIT + y) : y; }
 
-float unlimitCounts(float y) {
-  return CURVE_LIMIT > 0.0 ? y * CURVE_LIMIT / (CURVE_LIMIT - y) : y;
-}
+float unlimitCounts(float y) { return CURVE_LIMIT > 0.0 ? y * CURVE_LIMIT / (CURVE_LIMIT - y) : y; }
 
 uint countsOf(float force, float gain, float trigger, float noise) {
   float counts = OUTPUT_SCALE * limitCounts(curveAt(gain * force - trigger)) + noise;

@@ -1,5 +1,5 @@
-// Stage 3: the point spread function, paper eq. (1). Forces in N. contact_normal and contact_shear already hold what each source gives to the spread: its force
-// divided by the part of the kernel that stays on the sensor. Twin: src/reference/psf.cpp.
+// Stage 3: the point spread function, paper eq. (1). Forces in N. contact_normal and contact_shear already hold what each source gives to
+// the spread: its force divided by the part of the kernel that stays on the sensor. Twin: src/reference/psf.cpp.
 
 struct Spread {
   float normal;
@@ -13,7 +13,8 @@ void addSource(inout Spread sum, uint source, float weight) {
 
 // ---- a grid patch with a kernel of 3 x 3: a window slides along a row ----
 //
-// Sources outside the window of contact are 0. A step fetches three sources instead of nine; two neighbouring rows at once fetch four instead of eighteen.
+// Sources outside the window of contact are 0. A step fetches three sources instead of nine; two neighbouring rows at once fetch four
+// instead of eighteen.
 //
 //   column:   before  here  after          Kernel::...[d]: weight of the source in row i - 1 + d of that column, for the taxel at (i, j)
 //   row i-1      x      x      x
@@ -98,7 +99,8 @@ Spread spreadOnGrid(uint first_taxel, ImageWindow window, ivec2 at) {
       uvec2 source = uvec2(at - ivec2(a, b));
       uint number = uint((a + kRadius) * int(KERNEL) + b + kRadius);
       float weight = spread_rows[number >> 2][number & 3u];
-      if (all(lessThan(source - window.contact_first, window.contact_count))) addSource(sum, first_taxel + source.x * NUM_COLS + source.y, weight);
+      if (all(lessThan(source - window.contact_first, window.contact_count)))
+        addSource(sum, first_taxel + source.x * NUM_COLS + source.y, weight);
     }
   }
   return sum;
@@ -106,8 +108,8 @@ Spread spreadOnGrid(uint first_taxel, ImageWindow window, ivec2 at) {
 
 // ---- any sensor: a list of sources per taxel ----
 //
-// (NUM_ENTRIES x num_taxels) pairs of source (as bits) and weight, two pairs to a row of spread_rows; then as many pairs of cosine and sine where shear rotates
-// with the skin between source and taxel.
+// (NUM_ENTRIES x num_taxels) pairs of source (as bits) and weight, two pairs to a row of spread_rows; then as many pairs of cosine and sine
+// where shear rotates with the skin between source and taxel.
 
 vec2 pairOfRows(uint number) { return (number & 1u) == 0 ? spread_rows[number >> 1].xy : spread_rows[number >> 1].zw; }
 

@@ -1,4 +1,5 @@
-// Stages 4 and 5 of one taxel: its spread force (N) through lag, gain, curve, noise and saturation to counts, and its share of the sums of stage 6.
+// Stages 4 and 5 of one taxel: its spread force (N) through lag, gain, curve, noise and saturation to counts, and its share of the sums of
+// stage 6.
 
 // One instance, the same for all invocations of its team.
 struct Instance {
@@ -9,7 +10,7 @@ struct Instance {
   uint step;          // since reset
   float noise_level;  // standard deviation, counts
   ImageWindow window;
-  uvec2 origin;       // of the moments: the taxel in the middle of the window, so that they are no differences of large numbers
+  uvec2 origin;  // of the moments: the taxel in the middle of the window, so that they are no differences of large numbers
 };
 
 Instance loadInstance(uint number) {
@@ -38,7 +39,8 @@ Spread narrowed(Instance instance, uint t, uvec2 at, Spread spread) {
   float kept = (1.0 - share) * (SCALED ? 1.0 / spread_scale[t] : 1.0);
   spread.normal *= share;
   spread.shear *= share;
-  if (!kOnePatch || all(lessThan(at - instance.window.contact_first, instance.window.contact_count))) addSource(spread, instance.first_taxel + t, kept);
+  if (!kOnePatch || all(lessThan(at - instance.window.contact_first, instance.window.contact_count)))
+    addSource(spread, instance.first_taxel + t, kept);
   return spread;
 }
 
@@ -62,7 +64,8 @@ void readTaxel(Instance instance, Lag lag, uint t, uvec2 at, Spread spread, uvec
   LagState states = statesOf(instance.number, t, instance.step);
   float force = laggedForce(lag, states, spread.normal);
   float drift = 0.0;
-  if (RANDOM_WALK) drift = updateRandomWalk(states, step_record.time.w * gaussian(seed, instance.keys.xy, instance.step, t, kPurposeRandomWalk));
+  if (RANDOM_WALK)
+    drift = updateRandomWalk(states, step_record.time.w * gaussian(seed, instance.keys.xy, instance.step, t, kPurposeRandomWalk));
   if (!instance.new_frame) return;
   float gain = TAXELS_ALIKE ? instance.drive.y : instance.drive.y * taxels[t].readout.x;
   if (RANDOM && instance.drive.z > 0.0) gain *= exp(instance.drive.z * gaussian(seed, instance.keys.xy, 0, t, kPurposeTaxelGain));

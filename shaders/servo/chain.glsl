@@ -1,9 +1,7 @@
 // Forward kinematics and geometric Jacobian of a robot: the operations of src/control/chain.cpp in the same order, hence the same bits.
 // In: robot. In and out: loop_state.
 
-Pose poseOf(dvec2 values[4]) {
-  return Pose(dvec3(values[0], values[1].x), dvec4(values[1].y, values[2], values[3].x));
-}
+Pose poseOf(dvec2 values[4]) { return Pose(dvec3(values[0], values[1].x), dvec4(values[1].y, values[2], values[3].x)); }
 
 // q times a rotation about z, given by sine and cosine of half its angle; not normalised.
 dvec4 rotateAboutZ(dvec4 q, double sine, double cosine) {

@@ -48,9 +48,7 @@ dvec2 directionOfEdge(uint servo, double angle) {
 }
 
 // Velocity of the sensor's origin in a rotation w about the contact's center c: -w x c.
-dvec3 velocityOfRotationAbout(dvec2 center, dvec3 w) {
-  return dvec3(w.z * center.y, -w.z * center.x, w.y * center.x - w.x * center.y);
-}
+dvec3 velocityOfRotationAbout(dvec2 center, dvec3 w) { return dvec3(w.z * center.y, -w.z * center.x, w.y * center.x - w.x * center.y); }
 
 // Reference - value of each selected and available feature.
 void featureErrors(uint servo, Contact contact, inout double error[kServoFeatures]) {

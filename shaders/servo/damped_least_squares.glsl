@@ -1,5 +1,5 @@
-// Inverse velocity kinematics by damped least squares: the operations of src/control/damped_least_squares.cpp in the same order, hence the same
-// bits. In: robot, loop_state. Arrays of a size that pipelines choose cannot be arguments.
+// Inverse velocity kinematics by damped least squares: the operations of src/control/damped_least_squares.cpp in the same order, hence the
+// same bits. In: robot, loop_state. Arrays of a size that pipelines choose cannot be arguments.
 
 double velocities[NUM_JOINTS];  // of the joints, the result
 uint columns[NUM_JOINTS];       // the joints that are free
@@ -8,8 +8,8 @@ struct Gram {
   double a[6][6];  // the first GRAM_SIZE rows and columns are used
 };
 
-// Factor L of a symmetric matrix L L^T, in place: the lower triangle, with the inverses of the diagonal on it. Returns whether the matrix is
-// positive definite; entries of the factor are not finite if it is not.
+// Factor L of a symmetric matrix L L^T, in place: the lower triangle, with the inverses of the diagonal on it. Returns whether the matrix
+// is positive definite; entries of the factor are not finite if it is not.
 bool factorize(inout Gram gram) {
   bool is_positive = true;
   for (uint j = 0; j < GRAM_SIZE; ++j) {

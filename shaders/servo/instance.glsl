@@ -57,7 +57,9 @@ double feature(uint servo, uint i, uint offset, uint width, uint component) {
 
 Contact contactState(uint servo, uint i) {
   uint flags = servos[servo].flags.z;
-  uint angle = (flags & kServoFlagWindow) != 0 ? kContactWindowedEdgeAngle : (flags & kServoFlagRidge) != 0 ? kContactRidgeEdgeAngle : kFeatureEdgeAngle;
+  uint angle = (flags & kServoFlagWindow) != 0  ? kContactWindowedEdgeAngle
+               : (flags & kServoFlagRidge) != 0 ? kContactRidgeEdgeAngle
+                                                : kFeatureEdgeAngle;
   Contact contact;
   contact.angle = feature(servo, i, angle, 1, 0);
   contact.confidence = feature(servo, i, angle + 1, 1, 0);
@@ -100,9 +102,7 @@ void actOnFeatures(uint i) {
   }
 }
 
-void startFreeFlying(uint i) {
-  writeSensorPose(i, Pose(dvec3(0.0lf), dvec4(1.0lf, 0.0lf, 0.0lf, 0.0lf)));
-}
+void startFreeFlying(uint i) { writeSensorPose(i, Pose(dvec3(0.0lf), dvec4(1.0lf, 0.0lf, 0.0lf, 0.0lf))); }
 
 // X_WS after a step at the twist, where both are finite.
 Pose moveFreeFlying(uint i, Pose X_WS, Twist twist) {

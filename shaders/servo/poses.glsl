@@ -1,4 +1,5 @@
-// Poses and twists in double precision: the operations of src/base/pose_inline.h and src/control/twist.h in the same order, hence the same bits.
+// Poses and twists in double precision: the operations of src/base/pose_inline.h and src/control/twist.h in the same order, hence the same
+// bits.
 
 struct Pose {
   dvec3 position;

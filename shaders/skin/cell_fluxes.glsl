@@ -1,21 +1,22 @@
 // Derivatives of a taxel's force and of a tile's wrench by the motion of the object, summed over samples for the tactile Jacobian. Twin:
 // src/reference/pressure_transport.cpp.
 //
-// The object's surface lies at z = -d(x, y) of P. Its point p = (x, y, -d) moves with u = v + w x p, so that d_t = -u_z - u_x d_x - u_y d_y, and the force
-// of a cell is the integral of the pressure f(d) over it. With f' = df/dd and G = d f - (integral of f from 0 to d), so that dG/dd = d f',
+// The object's surface lies at z = -d(x, y) of P. Its point p = (x, y, -d) moves with u = v + w x p, so that d_t = -u_z - u_x d_x - u_y
+// d_y, and the force of a cell is the integral of the pressure f(d) over it. With f' = df/dd and G = d f - (integral of f from 0 to d), so
+// that dG/dd = d f',
 //
 //   f' d_t = -d(f v_x)/dx - d(f v_y)/dy - f' v_z - (f' y + dG/dy) w_x + (f' x + dG/dx) w_y + (d(f y)/dx - d(f x)/dy) w_z,
 //
-// a flux through the cell's sides except for the terms in f'. Unlike a sum of f' d_t over samples, it includes vertical walls, where d jumps between two
-// samples, and the flux out of one cell enters the next. f at a side is the mean of the samples on both sides of it; at the patch's rim f is extrapolated
-// linearly.
+// a flux through the cell's sides except for the terms in f'. Unlike a sum of f' d_t over samples, it includes vertical walls, where d
+// jumps between two samples, and the flux out of one cell enters the next. f at a side is the mean of the samples on both sides of it; at
+// the patch's rim f is extrapolated linearly.
 //
-// f' jumps at the border of the contact and at the skin's full thickness. Its mean over a sample's cell is used, with depths uniform about d over a width that
-// follows from the slope and the cell's size. This needs surfaces up to cellReach() over the skin. With area sampling the covered share of a cell is known, and
-// f is the mean over the cell.
+// f' jumps at the border of the contact and at the skin's full thickness. Its mean over a sample's cell is used, with depths uniform about
+// d over a width that follows from the slope and the cell's size. This needs surfaces up to cellReach() over the skin. With area sampling
+// the covered share of a cell is known, and f is the mean over the cell.
 
-// Sums over the samples of a taxel, without the factor of a sample's area. A side has those of the samples next to it, by sideWeight(), where c is the
-// coordinate along the side.
+// Sums over the samples of a taxel, without the factor of a sample's area. A side has those of the samples next to it, by sideWeight(),
+// where c is the coordinate along the side.
 struct Cell {
   vec3 pressure;          // f times 1, x, y: Pa, Pa m, Pa m
   float G;                // Pa m
@@ -38,8 +39,8 @@ struct CellRow {
 
 CellRow noCellRow() { return CellRow(vec3(0), vec3(0), vec2(0), vec2(0), vec2(0)); }
 
-// The smaller step from the depth of a sample to those of its neighbours in the taxel along an axis, m; 0 for a wall, a step of more than 63 degrees. -kMiss: no
-// such neighbour.
+// The smaller step from the depth of a sample to those of its neighbours in the taxel along an axis, m; 0 for a wall, a step of more than
+// 63 degrees. -kMiss: no such neighbour.
 float stepOfDepth(Tile tile, float d, float before, float after) {
   float least = kMiss;
   if (before > -cellReach(tile)) least = abs(d - before);
@@ -79,8 +80,8 @@ Stiffness stiffnessAt(Tile tile, float d, float width, float f) {
   return Stiffness(slope, lifted ? 0.0 : share * elastic * pressed * (LAW_1 / (LAW_1 + 1.0)));
 }
 
-// With area sampling, of a cell of mean depth d, a share of which is covered; the share is negative at the skin's full thickness. Without VARIATION pressure is
-// proportional to depth.
+// With area sampling, of a cell of mean depth d, a share of which is covered; the share is negative at the skin's full thickness. Without
+// VARIATION pressure is proportional to depth.
 Stiffness stiffnessOf(CellPoints points, float d, float covered, float f) {
   if (d <= 0.0 || f <= 0.0) return Stiffness(0.0, 0.0);
   if (VARIATION && LAW_1 != 1.0) {
@@ -126,7 +127,9 @@ void addRow(inout Cell cell, CellRow row, uint a, bvec4 rim, float x) {
 }
 
 // Sums of a side times (1, x, y), from those times (1, c); the side is at `at` (m) of axis x (0) or y (1).
-vec3 momentsOfSide(uint axis, float at, vec2 sums) { return axis == 0 ? vec3(sums.x, at * sums.x, sums.y) : vec3(sums.x, sums.y, at * sums.x); }
+vec3 momentsOfSide(uint axis, float at, vec2 sums) {
+  return axis == 0 ? vec3(sums.x, at * sums.x, sums.y) : vec3(sums.x, sums.y, at * sums.x);
+}
 
 // Through a side at the patch's rim a share of `flux` (1/m) of its sums of f and G; the share is negative at the lower end of the axis.
 void addThroughRim(inout vec3 change[6], uint axis, float flux, float at, vec3 f, vec2 G) {
@@ -136,8 +139,8 @@ void addThroughRim(inout vec3 change[6], uint axis, float flux, float at, vec3 f
   change[5] += turn * momentsOfSide(axis, at, f.yz);
 }
 
-// Adds a taxel to the derivatives of force and first moments of its tile by the object's twist, without the factor of a sample's area. `first_sample`: of the
-// taxel, in samples of the patch.
+// Adds a taxel to the derivatives of force and first moments of its tile by the object's twist, without the factor of a sample's area.
+// `first_sample`: of the taxel, in samples of the patch.
 void addToChange(Tile tile, inout vec3 change[6], Cell cell, bvec4 rim, vec2 first_sample) {
   change[0].y += cell.pressure.x;
   change[1].z += cell.pressure.x;

@@ -1,11 +1,13 @@
-// Two points that represent the covered part of a cell, with VARIATION. They have the mean and the variance of its depth and its polar moment of area. Pressures
-// that are not proportional to the depth are summed over both, and each has its own friction: in a cell on the edge of a contact the shallow part slips first.
+// Two points that represent the covered part of a cell, with VARIATION. They have the mean and the variance of its depth and its polar
+// moment of area. Pressures that are not proportional to the depth are summed over both, and each has its own friction: in a cell on the
+// edge of a contact the shallow part slips first.
 //
-//      deeper ->        The covered part is modelled as a strip on the deeper side of the cell. The points lie on a diagonal of the strip: towards the deeper
-//   +----+-------+      side as far apart as its depths, so that pressure acts where that of the strip does, and across that side as far as its width is. Of
-//   |    |     o |      two points that differ in depth only one would slip too far from the middle of the cell and the other too near.
-//   |    | o     |
-//   +----+-------+      The mean pressure is exact for exponent 2, and for exponent 3 where depths are distributed evenly, as under a paraboloid; for 1.5 it is
+//      deeper ->        The covered part is modelled as a strip on the deeper side of the cell. The points lie on a diagonal of the strip:
+//      towards the deeper
+//   +----+-------+      side as far apart as its depths, so that pressure acts where that of the strip does, and across that side as far as
+//   its width is. Of |    |     o |      two points that differ in depth only one would slip too far from the middle of the cell and the
+//   other too near. |    | o     | +----+-------+      The mean pressure is exact for exponent 2, and for exponent 3 where depths are
+//   distributed evenly, as under a paraboloid; for 1.5 it is
 //                       0.3 % low on its edge. Twin: src/reference/cell_points.cpp.
 
 const uint kCellPoints = VARIATION ? 2u : 1u;  // of a sample
@@ -16,9 +18,10 @@ struct CellPoints {
   vec2 from_middle[2];  // m, in P
 };
 
-// Part of what is covered that the deeper point has, at most; less where the shallower one would be above the skin. On evenly distributed depths from 0 to D, of
-// which those up to t D slip, friction is the mean t - t^2/2 of the smaller of two tractions. With 0.6 the largest errors of two points, at t = 0.15, 0.4 and
-// 0.74, are 7 to 8 %; with 0.5 friction is 11.8 % too large at t = 0.21, while an edge begins to slip. Other exponents need equal parts for their mean pressure.
+// Part of what is covered that the deeper point has, at most; less where the shallower one would be above the skin. On evenly distributed
+// depths from 0 to D, of which those up to t D slip, friction is the mean t - t^2/2 of the smaller of two tractions. With 0.6 the largest
+// errors of two points, at t = 0.15, 0.4 and 0.74, are 7 to 8 %; with 0.5 friction is 11.8 % too large at t = 0.21, while an edge begins to
+// slip. Other exponents need equal parts for their mean pressure.
 float mostDeep() { return LAW_1 == 1.0 ? 0.6 : 0.5; }
 
 // `mean`: depth of the covered part, m. `share`: of the cell, covered. `variation`: variationOf(), depth/area/cell_depths.glsl.
@@ -40,7 +43,9 @@ CellPoints cellPoints(Tile tile, float mean, float share, uint variation) {
 }
 
 // Pressure, mean over the cell (Pa), of one of the points, whose depth grows by `rate` (m/s).
-float pressureAt(CellPoints points, uint k, float share, float rate) { return share * points.weight[k] * lawPressure(points.depth[k], rate); }
+float pressureAt(CellPoints points, uint k, float share, float rate) {
+  return share * points.weight[k] * lawPressure(points.depth[k], rate);
+}
 
 // Pressure, mean over the cell (Pa); the mean depth of the cell grows by `rate`.
 float cellPressure(CellPoints points, float share, float rate) {

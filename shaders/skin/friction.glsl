@@ -1,20 +1,21 @@
 // Shear with memory: every sample of the skin has a tangential spring that the object in contact stretches, capped by Coulomb's cone;
 // include/taxelsim/sensor.h, Friction. Used by the contact pass and the elastic layer. Twin: src/reference/friction.cpp.
 //
-// At a sample p = (x, y, -d) of P an object that moves by u in this step drags the end of the spring along by the tangential part of u, so that the
-// traction q (Pa), which acts on the skin along the object's motion, becomes
+// At a sample p = (x, y, -d) of P an object that moves by u in this step drags the end of the spring along by the tangential part of u, so
+// that the traction q (Pa), which acts on the skin along the object's motion, becomes
 //   q + k_t (u_x, u_y),  shortened to mu p where it is longer: the backward Euler step of elastic-perfectly plastic slip (radial return).
 // Where contact began within the step only the part of u after touch counts; the state of a sample that nothing touches is cleared.
 // The law lugre has its own rule for the traction (skin/laws/lugre.glsl) and shares the rest.
 //
-// The includer defines kShears (shear is computed), kManyMotions (several objects may be in contact) and FLAT (the patch's frame is the sensor's).
+// The includer defines kShears (shear is computed), kManyMotions (several objects may be in contact) and FLAT (the patch's frame is the
+// sensor's).
 // Shared memory: 64 bytes per slot where an instance may touch several objects, and 8 LANES bytes.
 
 #include "skin/cone.glsl"
 
-// The rule, which the includer defines: shear traction (Pa, mean over the cell) under `pressure` (Pa, likewise) after the object, which covers a part `covered`
-// of the cell, has moved by `u` (m, along x and y of P) while a `share` of the step in contact. `sample_state` is kept between steps. `per_dt`: 1 / the step's
-// time, 1/s.
+// The rule, which the includer defines: shear traction (Pa, mean over the cell) under `pressure` (Pa, likewise) after the object, which
+// covers a part `covered` of the cell, has moved by `u` (m, along x and y of P) while a `share` of the step in contact. `sample_state` is
+// kept between steps. `per_dt`: 1 / the step's time, 1/s.
 vec2 tractionAfter(inout vec2 sample_state, vec2 u, float share, float covered, float pressure, float per_dt);
 
 // Rule of the springs; their state is their traction, Pa.
@@ -101,8 +102,8 @@ Motion motionOf(uint slot, Motion only_motion) {
 
 // ---- state of the samples ----
 
-// Two words, along x and y of P: the traction (Pa), or for the law lugre the bristle deflection in units of friction; the slot in the lowest bits of x.
-// kNoFrictionState without contact.
+// Two words, along x and y of P: the traction (Pa), or for the law lugre the bristle deflection in units of friction; the slot in the
+// lowest bits of x. kNoFrictionState without contact.
 
 bool hasContact(uvec2 words) { return (words.x & ~kSlotMask) != kNoFrictionState; }
 vec2 shearOf(uvec2 words) { return vec2(withoutSlot(words.x), uintBitsToFloat(words.y)); }

@@ -1,5 +1,5 @@
-// Load search over one tile: the depth of the lowest sample at which the tile carries a load, by Newton's method from full depth down. Twin:
-// src/reference/load.cpp.
+// Load search over one tile: the depth of the lowest sample at which the tile carries a load, by Newton's method from full depth down.
+// Twin: src/reference/load.cpp.
 // Shared memory: 4 bytes.
 
 shared uint lowest_bits;  // height of the lowest sample; kEmpty at the start of a tile
@@ -25,7 +25,8 @@ uint lowestSample(Tile tile, uvec2 first, uvec2 count) {
   return lowest_bits;
 }
 
-// Force (N) of the samples, and its derivative by the depth (N/m), when the lowest sample is at `depth`. Only z moves: the gaps between the samples stay.
+// Force (N) of the samples, and its derivative by the depth (N/m), when the lowest sample is at `depth`. Only z moves: the gaps between the
+// samples stay.
 vec2 forceAtDepth(Tile tile, TileSkin tile_skin, float depth, float lowest, uvec2 first, uvec2 count) {
   uint total = count.x * count.y;
   for (uint v = gl_LocalInvocationIndex; v < LANES; v += WORKGROUP) {

@@ -1,15 +1,15 @@
-// Relaxation of the skin: a standard linear solid with RELAXATION terms under every sample; include/taxelsim/sensor.h, RelaxationTerm. Stresses and strains in
-// Pa. Twin: src/reference/relaxation.cpp, which integrates over the whole past.
+// Relaxation of the skin: a standard linear solid with RELAXATION terms under every sample; include/taxelsim/sensor.h, RelaxationTerm.
+// Stresses and strains in Pa. Twin: src/reference/relaxation.cpp, which integrates over the whole past.
 //
-// Strain is measured by the pressure that the law gives for an instantaneous press, P(d). A sample keeps its strain w and an overstress h per term. A
-// step of dt in which the strain goes straight from w to w' leaves h' = e h + c (w' - w) and
+// Strain is measured by the pressure that the law gives for an instantaneous press, P(d). A sample keeps its strain w and an overstress h
+// per term. A step of dt in which the strain goes straight from w to w' leaves h' = e h + c (w' - w) and
 //   pressure = settled w' + sum h' = held + gain (w' - w),   held = settled w + sum e h,   gain = settled + sum c,
-// with e = exp(-dt / time), c = fraction (time / dt) (1 - e), settled = 1 - sum fraction; exact for such a path (R. L. Taylor, K. S. Pister and
-// G. L. Goudreau, Int. J. Numer. Methods Eng. 2, 45-59, 1970). An object that withdraws faster than the skin recovers would have to pull: it loses contact,
-// and the skin recovers to the strain without pressure, w' = w - held / gain, which is never negative.
+// with e = exp(-dt / time), c = fraction (time / dt) (1 - e), settled = 1 - sum fraction; exact for such a path (R. L. Taylor, K. S. Pister
+// and G. L. Goudreau, Int. J. Numer. Methods Eng. 2, 45-59, 1970). An object that withdraws faster than the skin recovers would have to
+// pull: it loses contact, and the skin recovers to the strain without pressure, w' = w - held / gain, which is never negative.
 //
-// States of a sample: w, then one h after the other. A step rounds h by about 2^-24 of itself, so that a term whose time is more than some ten million steps
-// does not change.
+// States of a sample: w, then one h after the other. A step rounds h by about 2^-24 of itself, so that a term whose time is more than some
+// ten million steps does not change.
 
 #include "skin/skin_step.glsl"
 
@@ -63,7 +63,8 @@ bool isReached(TileSkin tile_skin, uvec2 taxel) { return isInside(taxel, tile_sk
 
 // Skin of sample `i` of `states`. `reached`: the sample's taxel was.
 SkinState skinAt(TileSkin tile_skin, SkinStates states, uint i, bool reached) {
-  uvec4 words = uvec4(component(states.overstress_0, i), component(states.overstress_1, i), component(states.overstress_2, i), component(states.overstress_3, i));
+  uvec4 words = uvec4(component(states.overstress_0, i), component(states.overstress_1, i), component(states.overstress_2, i),
+                      component(states.overstress_3, i));
   vec4 h = uintBitsToFloat(mix(uvec4(0), words, bvec4(reached)));
   SkinState skin;
   skin.strain = uintBitsToFloat(reached ? component(states.strain, i) : 0u);
@@ -94,7 +95,8 @@ float relax(TileSkin tile_skin, inout SkinStates states, uint i, bool reached, f
   return relaxedPressure(tile_skin, skin, elastic);
 }
 
-// Taxel `k` of those in the rectangle `outer` that are not among the `count` taxels from `first` on, which lie in it: whole rows, then the rest of the others.
+// Taxel `k` of those in the rectangle `outer` that are not among the `count` taxels from `first` on, which lie in it: whole rows, then the
+// rest of the others.
 uvec2 taxelOutside(uvec4 outer, uvec2 first, uvec2 count, uint k) {
   uvec2 size = outer.yw - outer.xz, before = first - outer.xz;
   uint in_rows = (size.x - count.x) * size.y;
@@ -105,7 +107,8 @@ uvec2 taxelOutside(uvec4 outer, uvec2 first, uvec2 count, uint k) {
   return outer.xz + mix(of_rest, of_rows, bvec2(k < in_rows));
 }
 
-// Updates the skin that earlier steps have reached and this one has not, outside the `count` taxels from `first` on; and the rectangle of reached taxels.
+// Updates the skin that earlier steps have reached and this one has not, outside the `count` taxels from `first` on; and the rectangle of
+// reached taxels.
 void updateRestOfSkin(Tile tile, TileSkin tile_skin, uvec2 first, uvec2 count) {
   uvec4 reached = tile_skin.reached;
   if (reached.y == 0) reached = uvec4(first, first).xzyw;

@@ -1,12 +1,12 @@
 // Coefficients of one time step of a skin that relaxes, from StepRecord; the formulas are in skin/relaxation.glsl. Dimensionless.
 
 struct SkinStep {
-  float settled;    // equilibrium stiffness
-  float gain;       // stiffness against strain that is added in this step
-  vec4 fade;        // e of each term in two floats, since 1 - e is what matters in short steps
+  float settled;  // equilibrium stiffness
+  float gain;     // stiffness against strain that is added in this step
+  vec4 fade;      // e of each term in two floats, since 1 - e is what matters in short steps
   vec4 fade_rest;
-  vec4 growth;      // c of each term
-  bool is_new;      // the first step: the skin was never pressed
+  vec4 growth;  // c of each term
+  bool is_new;  // the first step: the skin was never pressed
 };
 
 SkinStep skinStep(bool is_new) {

@@ -1,9 +1,8 @@
-// Stage 2 of the contact pass: from the heights over the samples of a tile to one force per taxel (N) and a wrench, by the law (skin/laws/), relaxation and
-// friction.
+// Stage 2 of the contact pass: from the heights over the samples of a tile to one force per taxel (N) and a wrench, by the law
+// (skin/laws/), relaxation and friction.
 //
 // In:  heights of the tile or of one solid (depth/heights.glsl).
-// Out: contact_normal, contact_depth, contact_shear, contact_cells, node_cells, tile_changes; partial sums of the wrench in partial[] and partial_shear[]; num_deep and
-//      any_behind.
+// Out: contact_normal, contact_depth, contact_shear, contact_cells, node_cells, tile_changes; sums of the wrench; num_deep and any_behind.
 // Shared memory: 12 bytes.
 // Twins: src/reference/contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp.
 
@@ -13,11 +12,6 @@ const float kLooksUp = 0.7;
 shared uint most_touched;  // taxels of any lane that kSkipsTaxels leaves
 shared uint num_deep;      // samples at the skin's full thickness
 shared uint any_behind;    // 1: a surface below Tile::z_floor, on a patch that looks along z of S
-
-void writeShear(uint taxel, vec2 shear) {
-  contact_shear[2 * taxel] = shear.x;
-  contact_shear[2 * taxel + 1] = shear.y;
-}
 
 // The second run of the pass for a globally coupled law with area sampling, which leaves the heights of the first one alone.
 const bool kWritesCells = kGlobalSolve && AREA;
@@ -46,40 +40,41 @@ ActiveTaxels activeTaxels(Box samples) {
 // What all taxels of a tile have in common while their samples are summed.
 struct TileStep {
   uint instance;
-  uint result;          // index of the tile over all instances
-  uint first_taxel;     // of the patch, over all instances
-  bool load_driven;     // the load search has ended in this pass
-  bool at_rest;         // no depth rate: the first step, or an instance driven by its load
-  float per_dt;         // 1 / the step's time, 1/s, for laws that need it
-  Search found;         // result of that search
-  float surface;        // depth where the tile's height is 0, m
-  uint state;           // where the states of the tile's samples begin, skin/sample_states.glsl
-  uvec4 touched;        // taxels whose samples have states of shear and depth
-  TileSkin skin;        // that relaxes
-  Motion only_motion;   // of the object in the only slot
-  float friction;       // the instance's factor on friction
-  Body body;            // the one solid of a pass without a tile
-  uint slot;            // of that solid
-  vec4 parameters;      // of that solid
-  RoundPart part;       // of that solid, if kOnlyRound
+  uint result;         // index of the tile over all instances
+  uint first_taxel;    // of the patch, over all instances
+  bool load_driven;    // the load search has ended in this pass
+  bool at_rest;        // no depth rate: the first step, or an instance driven by its load
+  float per_dt;        // 1 / the step's time, 1/s, for laws that need it
+  Search found;        // result of that search
+  float surface;       // depth where the tile's height is 0, m
+  uint state;          // where the states of the tile's samples begin, skin/sample_states.glsl
+  uvec4 touched;       // taxels whose samples have states of shear and depth
+  TileSkin skin;       // that relaxes
+  Motion only_motion;  // of the object in the only slot
+  float friction;      // the instance's factor on friction
+  Body body;           // the one solid of a pass without a tile
+  uint slot;           // of that solid
+  vec4 parameters;     // of that solid
+  RoundPart part;      // of that solid, if kOnlyRound
 };
 
 // Sums over the samples of a taxel.
 struct TaxelSums {
-  float depth;         // m
-  float force;         // Pa; for a law that is solved over all nodes at once the height of the surface, m
-  vec2 moment;         // Pa m
-  vec2 shear;          // Pa
-  vec3 shear_moment;   // Pa m
-  uint deep;           // samples at the skin's full thickness
-  float slope;         // of the force by the depth, Pa/m; kSumsSlopes
+  float depth;        // m
+  float force;        // Pa; for a law that is solved over all nodes at once the height of the surface, m
+  vec2 moment;        // Pa m
+  vec2 shear;         // Pa
+  vec3 shear_moment;  // Pa m
+  uint deep;          // samples at the skin's full thickness
+  float slope;        // of the force by the depth, Pa/m; kSumsSlopes
 };
 
 // For Newton's method over tiles, load.comp. A search has no shear, whose torque takes the same place.
 const bool kSumsSlopes = AREA && SEARCH == kSearchOverTiles;
 
 // Runs the load search of this tile and loads the states of relaxation and friction.
-TileStep beginPressures(Tile tile, uint instance, uint tile_number, uint num_slots, Reach reach, ActiveTaxels taxels, bool load_driven, bool search_here) {
+TileStep beginPressures(Tile tile, uint instance, uint tile_number, uint num_slots, Reach reach, ActiveTaxels taxels, bool load_driven,
+                        bool search_here) {
   TileStep step;
   step.instance = instance;
   step.result = instance * NUM_TILES + tile_number;
@@ -116,7 +111,8 @@ struct ShearStates {
 
 // `first`: statesOf() the samples of a taxel that the step before has `touched`, or has not.
 ShearStates readShears(uint first, bool touched) {
-  ShearStates states = ShearStates(fourOf(PastState, first + kShearStates), fourOf(PastState, first + kShearStates + 1u), uvec4(0), uvec4(0));
+  ShearStates states =
+      ShearStates(fourOf(PastState, first + kShearStates), fourOf(PastState, first + kShearStates + 1u), uvec4(0), uvec4(0));
   if (VARIATION) states.x_1 = fourOf(PastState, first + kShearStates + 2u);
   if (VARIATION) states.y_1 = fourOf(PastState, first + kShearStates + 3u);
   states.x_0 = mix(uvec4(kNoFrictionState), states.x_0, bvec4(touched));
@@ -131,7 +127,8 @@ void writeShears(uint first, ShearStates states) {
   if (VARIATION) state[first + kShearStates + 3u] = states.y_1;
 }
 
-// Height of a sample over Tile::z_base, m, with or without a tile: a batch may change between the two, and both give the same bits. `word`: the tile's word.
+// Height of a sample over Tile::z_base, m, with or without a tile: a batch may change between the two, and both give the same bits. `word`:
+// the tile's word.
 float sampleHeight(Tile tile, TileStep step, uint address, vec2 position, inout Found found, out uint word) {
   word = 0;
   if (usesTile()) {
@@ -187,8 +184,10 @@ struct SampleShear {
   vec3 moment;
 };
 
-// Adds the traction at a point p of P, which has a part `weight` of the cell, under `pressure` (Pa). `x`, `y`: states of four samples, of which this is the `i`th.
-void addPoint(inout SampleShear sum, TileStep step, inout uvec4 x, inout uvec4 y, uint i, bool touches, uint slot, vec3 p, float weight, float pressure) {
+// Adds the traction at a point p of P, which has a part `weight` of the cell, under `pressure` (Pa). `x`, `y`: states of four samples, of
+// which this is the `i`th.
+void addPoint(inout SampleShear sum, TileStep step, inout uvec4 x, inout uvec4 y, uint i, bool touches, uint slot, vec3 p, float weight,
+              float pressure) {
   uvec2 words = uvec2(component(x, i), component(y, i));
   vec2 q = shearTraction(words, touches, slot, step.only_motion, p, weight, pressure, step.per_dt);
   x = withComponent(x, i, words.x);
@@ -198,7 +197,8 @@ void addPoint(inout SampleShear sum, TileStep step, inout uvec4 x, inout uvec4 y
 }
 
 // Of sample `i` under the pressure f (Pa). `height_word`: of the tile.
-SampleShear sampleShear(TileStep step, inout ShearStates states, uint i, CellPoints points, uint height_word, vec2 position, float d, float share, float f) {
+SampleShear sampleShear(TileStep step, inout ShearStates states, uint i, CellPoints points, uint height_word, vec2 position, float d,
+                        float share, float f) {
   SampleShear sum = SampleShear(vec2(0), vec3(0));
   bool touches = d > 0.0;
   uint slot = slotOf(height_word);
@@ -235,12 +235,14 @@ uvec4 wordsAround(Tile tile, RowWords rows, uvec2 at, uint address) {
 // f' and G of a sample under the pressure f (Pa), from the words around it. `surface`: depth where the tile's height is 0, m.
 Stiffness stiffnessAmong(Tile tile, float surface, uvec4 around, float height, float f) {
   float d = surface - height;
-  vec2 before = surface - vec2(withoutSlot(around.x), withoutSlot(around.z)), after = surface - vec2(withoutSlot(around.y), withoutSlot(around.w));
+  vec2 before = surface - vec2(withoutSlot(around.x), withoutSlot(around.z)),
+       after = surface - vec2(withoutSlot(around.y), withoutSlot(around.w));
   vec2 steps = vec2(stepOfDepth(tile, d, before.x, after.x), stepOfDepth(tile, d, before.y, after.y));
   return stiffnessAt(tile, d, length(steps), f);
 }
 
-// Sums over the samples of the taxel at `in_tile`; adds it to `cell` and `change` of the tactile Jacobian. Long function: the sums share what a sample loads.
+// Sums over the samples of the taxel at `in_tile`; adds it to `cell` and `change` of the tactile Jacobian. Long function: the sums share
+// what a sample loads.
 TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found, inout Cell cell, inout vec3 change[6]) {
   uvec2 base = in_tile * SAMPLES;
   uvec2 in_patch = in_tile + tile.first_taxel;
@@ -250,7 +252,8 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
   vec3 shear_moment = vec3(0);
   uint deep = 0;
   float slope = 0.0;
-  bool is_reached = RELAXATION > 0 && isReached(step.skin, in_tile), touched = kStoresTouched && isInside(in_tile, step.touched) && hasStates(tile, step.state, in_tile);
+  bool is_reached = RELAXATION > 0 && isReached(step.skin, in_tile),
+       touched = kStoresTouched && isInside(in_tile, step.touched) && hasStates(tile, step.state, in_tile);
   bvec4 rim = bvec4(equal(in_patch, uvec2(0)), equal(in_patch + 1u, tile.grid.xy)).xzyw;
   vec2 first_sample = vec2(base + tile.first_taxel * SAMPLES);
   RowWords rows = RowWords(uvec4(kEmpty), uvec4(kEmpty), uvec4(kEmpty));
@@ -275,42 +278,44 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
         if (kShears) shear_states = readShears(states_at, touched);
         if (HAS_STATE) depths = mix(uvec4(0), fourOf(PastState, states_at + kDepthState), bvec4(touched));
         for (uint part = 0; part < kSamplesAtOnce; part += kUnrolledSamples) [[unroll]] for (uint k = 0; k < kUnrolledSamples; ++k) {
-          uint i = part + k, b = first + i;
-          if (kUnrollsRows && b >= SAMPLES) break;
-          uint address = (base.x + a) * tile.stride + base.y + b;
-          vec2 position = vec2(x, samplePosition(tile, first_sample + vec2(0, b)).y);
-          uint word = component(rows.here, b);
-          float height = withoutSlot(word);
-          if (!keepsRows()) height = sampleHeight(tile, step, address, position, found, word);
-          if (kWritesCells) writeNodeCell(step.first_taxel + in_patch.x * tile.grid.y + in_patch.y, -tile.offset_z - depthOfWord(word), word, address);
-          if (kGlobalSolve) {
-            force = height >= kMiss ? kMiss : uintBitsToFloat(withSlot(tile.z_base + height, slotOf(word)));
-            continue;
+            uint i = part + k, b = first + i;
+            if (kUnrollsRows && b >= SAMPLES) break;
+            uint address = (base.x + a) * tile.stride + base.y + b;
+            vec2 position = vec2(x, samplePosition(tile, first_sample + vec2(0, b)).y);
+            uint word = component(rows.here, b);
+            float height = withoutSlot(word);
+            if (!keepsRows()) height = sampleHeight(tile, step, address, position, found, word);
+            if (kWritesCells)
+              writeNodeCell(step.first_taxel + in_patch.x * tile.grid.y + in_patch.y, -tile.offset_z - depthOfWord(word), word, address);
+            if (kGlobalSolve) {
+              force = height >= kMiss ? kMiss : uintBitsToFloat(withSlot(tile.z_base + height, slotOf(word)));
+              continue;
+            }
+            float d = clamp(step.load_driven ? step.found.depth - (height - step.found.lowest) : THICKNESS - height, 0.0, THICKNESS);
+            if (AREA) d = depthOfWord(word);
+            float d_rate = HAS_STATE ? depthRate(step, depths, i, d) : 0.0;
+            float share = keepsShares() ? uintBitsToFloat(cell_shares[address]) : 1.0;
+            deep += d >= THICKNESS || share < 0.0 ? 1u : 0u;
+            CellPoints points;
+            if (VARIATION) points = cellPoints(tile, d / abs(share), abs(share), cell_variations[address]);
+            bool is_uneven = VARIATION && LAW_1 != 1.0;
+            float f = is_uneven ? cellPressure(points, abs(share), d_rate) : lawPressure(d, d_rate);
+            if (RELAXATION > 0) f = relax(step.skin, skin_states, i, is_reached, f);
+            force += f;
+            moment += f * position;
+            if (kSumsSlopes && f > 0.0) slope += stiffnessOf(points, d, share, f).slope;
+            depth_sum += d;
+            if (OUTPUT_JACOBIAN) {
+              Stiffness stiffness = AREA ? stiffnessOf(points, d, share, f)
+                                         : stiffnessAmong(tile, step.surface, wordsAround(tile, rows, uvec2(a, b), address), height, f);
+              addSample(row, b, rim, position.y, f, stiffness);
+            }
+            if (kShears) {
+              SampleShear sample_shear = sampleShear(step, shear_states, i, points, word, position, d, share, f);
+              shear += sample_shear.traction;
+              shear_moment += sample_shear.moment;
+            }
           }
-          float d = clamp(step.load_driven ? step.found.depth - (height - step.found.lowest) : THICKNESS - height, 0.0, THICKNESS);
-          if (AREA) d = depthOfWord(word);
-          float d_rate = HAS_STATE ? depthRate(step, depths, i, d) : 0.0;
-          float share = keepsShares() ? uintBitsToFloat(cell_shares[address]) : 1.0;
-          deep += d >= THICKNESS || share < 0.0 ? 1u : 0u;
-          CellPoints points;
-          if (VARIATION) points = cellPoints(tile, d / abs(share), abs(share), cell_variations[address]);
-          bool is_uneven = VARIATION && LAW_1 != 1.0;
-          float f = is_uneven ? cellPressure(points, abs(share), d_rate) : lawPressure(d, d_rate);
-          if (RELAXATION > 0) f = relax(step.skin, skin_states, i, is_reached, f);
-          force += f;
-          moment += f * position;
-          if (kSumsSlopes && f > 0.0) slope += stiffnessOf(points, d, share, f).slope;
-          depth_sum += d;
-          if (OUTPUT_JACOBIAN) {
-            Stiffness stiffness = AREA ? stiffnessOf(points, d, share, f) : stiffnessAmong(tile, step.surface, wordsAround(tile, rows, uvec2(a, b), address), height, f);
-            addSample(row, b, rim, position.y, f, stiffness);
-          }
-          if (kShears) {
-            SampleShear sample_shear = sampleShear(step, shear_states, i, points, word, position, d, share, f);
-            shear += sample_shear.traction;
-            shear_moment += sample_shear.moment;
-          }
-        }
         if (RELAXATION > 0 && kUpdatesSkin) writeSkin(states_at, skin_states);
         if (kShears) writeShears(states_at, shear_states);
         if (HAS_STATE) state[states_at + kDepthState] = depths;
@@ -343,7 +348,8 @@ void writeTaxel(Tile tile, uint instance, uvec2 in_patch, TaxelSums sums, Cell c
   lane_shear += shear;
 }
 
-// Rounds that all lanes take together: as many as the lane with the most of the `num_active` taxels needs. `touched`: this lane's, if kSkipsTaxels.
+// Rounds that all lanes take together: as many as the lane with the most of the `num_active` taxels needs. `touched`: this lane's, if
+// kSkipsTaxels.
 uint numRounds(uint touched, uint num_active) {
   if (!kSkipsTaxels) return (num_active + LANES - 1u) / LANES;
   if (kInRegisters) return largestOverVector(uint(bitCount(touched)));
@@ -368,15 +374,15 @@ void pressTaxels(Tile tile, TileStep step, ActiveTaxels taxels, inout Found foun
     uint num_rounds = numRounds(touched, num_active), round = 0;
     uint k = kSkipsTaxels ? nextTouched(touched, v) : owns ? v : num_active;
     if (num_rounds > 0) do {
-      if (k < num_active) {
-        uvec2 in_tile = taxels.first + cellNumbered(k, taxels.count.y);
-        Cell cell = noCell();
-        TaxelSums sums = pressTaxel(tile, step, in_tile, found, cell, change);
-        deep += sums.deep;
-        writeTaxel(tile, step.instance, in_tile + tile.first_taxel, sums, cell, wrench, lane_shear);
-        k = kSkipsTaxels ? nextTouched(touched, v) : k + LANES;
-      }
-    } while (++round < num_rounds);
+        if (k < num_active) {
+          uvec2 in_tile = taxels.first + cellNumbered(k, taxels.count.y);
+          Cell cell = noCell();
+          TaxelSums sums = pressTaxel(tile, step, in_tile, found, cell, change);
+          deep += sums.deep;
+          writeTaxel(tile, step.instance, in_tile + tile.first_taxel, sums, cell, wrench, lane_shear);
+          k = kSkipsTaxels ? nextTouched(touched, v) : k + LANES;
+        }
+      } while (++round < num_rounds);
     checkLoop(k < num_active);
     if (owns) {
       setPartial(v, wrench);

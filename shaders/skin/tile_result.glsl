@@ -18,7 +18,8 @@ void writeTileResult(Tile tile, TileStep step, ActiveTaxels taxels, Box samples)
     torque += total.w * tile.X_PS.row2.xyz;
   }
   if (!FLAT) {
-    vec3 origin = -(tile.X_PS.row0.xyz * tile.X_PS.row0.w + tile.X_PS.row1.xyz * tile.X_PS.row1.w + tile.X_PS.row2.xyz * tile.X_PS.row2.w);  // of P in S
+    vec3 origin = -(tile.X_PS.row0.xyz * tile.X_PS.row0.w + tile.X_PS.row1.xyz * tile.X_PS.row1.w +
+                    tile.X_PS.row2.xyz * tile.X_PS.row2.w);  // of P in S
     torque += cross(origin, force);
   }
   uvec2 first = tile.first_taxel + taxels.first;

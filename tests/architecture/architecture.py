@@ -85,6 +85,16 @@ MAX_SHADER_LINES = 150  # of a .comp file: main() and calls
 MAX_FUNCTION_LINES = 70
 # Lists files and functions that are too long, with their lengths. None may grow; remove an entry when its file is short enough.
 STILL_LONG = "still_long.txt"
+# The whole may not grow either. Lower a number when something has become smaller.
+PRODUCT = ["src/**/*", "include/**/*", "shaders/**/*", "python/src/**/*", "python/taxelsim/**/*"]
+TESTS = ["tests/**/*", "python/tests/**/*"]
+MAX_PRODUCT_LINES = 86600
+MAX_TEST_LINES = 62400
+MAX_CONTACT_INCLUDES = 60
+MAX_CONTACT_CONSTANTS = 41
+MAX_MODULES = 44
+# Names of drivers, for shaders/driver only.
+DRIVER = re.compile(r"mesa|lavapipe|swiftshader|software driver|lockstep", re.IGNORECASE)
 LONG_FILE = "Long file:"
 LONG_FUNCTION = "Long function:"
 NO_FUNCTION = re.compile(r"(inline )?namespace\b|extern \"C\"|(typedef |static |inline |constexpr |const )*(struct|class|enum|union)\b|layout\(|.*=\s*\{$")
@@ -251,8 +261,67 @@ def check_lengths(root):
     return faults
 
 
+def shader_includes(root, name, seen):
+    """Adds the files that a shader includes, in any depth, to `seen`."""
+    for _, is_system, included in includes_of(root / "shaders" / name):
+        if not is_system and included not in seen and (root / "shaders" / included).exists():
+            seen.add(included)
+            shader_includes(root, included, seen)
+
+
+def num_modules(root):
+    """SPIR-V modules that shaders/CMakeLists.txt lists: one a call, two for those with a variant, in every round of a foreach."""
+    file = root / "shaders" / "CMakeLists.txt"
+    text = file.read_text() if file.exists() else ""
+    laws = re.search(r"set\(CONTACT_LAWS (.*?)\)", text)
+    text = re.sub(r"function\(.*?endfunction\(\)", "", text, flags=re.DOTALL)
+    count = 0
+    for items, body in re.findall(r"foreach\(\w+ (.*?)\)(.*?)endforeach\(\)", text, re.DOTALL):
+        names = items.replace("${CONTACT_LAWS}", laws.group(1) if laws else "").split()
+        count += len(names) * calls_of(body)
+    return count + calls_of(re.sub(r"foreach\(.*?endforeach\(\)", "", text, flags=re.DOTALL))
+
+
+def calls_of(text):
+    return len(re.findall(r"^\s*taxelsim_shader\(", text, re.MULTILINE)) + 2 * len(re.findall(r"^\s*taxelsim_shader_of_vectors\(", text, re.MULTILINE))
+
+
+def check_shaders(root):
+    """The driver's habits stay in shaders/driver, and the contact pass and the list of modules do not grow."""
+    faults = []
+    for path in sorted((root / "shaders").rglob("*")):
+        if path.suffix in (".comp", ".glsl", ".h") and path.parent.name != "driver":
+            for number, line in enumerate(lines_of(path), 1):
+                if DRIVER.search(line):
+                    faults.append(f"{path.relative_to(root)}:{number}: a driver's name outside of shaders/driver: {line.strip()}")
+    includes = set()
+    if (root / "shaders" / "contact.comp").exists():
+        shader_includes(root, "contact.comp", includes)
+    interface = root / "shaders" / "passes" / "contact.h"
+    constants = [line for line in (lines_of(interface) if interface.exists() else []) if line.startswith("CONSTANT(")]
+    for what, count, most in (
+        ("files that shaders/contact.comp includes", len(includes), MAX_CONTACT_INCLUDES),
+        ("constants of shaders/passes/contact.h", len(constants), MAX_CONTACT_CONSTANTS),
+        ("SPIR-V modules of shaders/CMakeLists.txt", num_modules(root), MAX_MODULES),
+    ):
+        if count > most:
+            faults.append(f"{what}: {count}, at most {most}")
+    return faults
+
+
+def check_sizes(root):
+    """Lines of the product and of its tests."""
+    faults = []
+    for what, globs, most in (("product", PRODUCT, MAX_PRODUCT_LINES), ("tests", TESTS, MAX_TEST_LINES)):
+        files = {path for pattern in globs for path in root.glob(pattern) if path.suffix in MEASURED_SUFFIXES and "__pycache__" not in path.parts}
+        count = sum(len(lines_of(path)) for path in files)
+        if count > most:
+            faults.append(f"lines of the {what}: {count}, at most {most}")
+    return faults
+
+
 def check(root):
-    return check_layers(root) + check_public_headers(root) + check_shader_comments(root) + check_machine_paths(root) + check_lengths(root)
+    return check_shaders(root) + check_sizes(root) + check_layers(root) + check_public_headers(root) + check_shader_comments(root) + check_machine_paths(root) + check_lengths(root)
 
 
 def main():

@@ -38,6 +38,19 @@ class ArchitectureTest(unittest.TestCase):
     def test_clean_tree_has_no_faults(self):
         self.assertEqual(self.faults({}), [])
 
+    def test_driver_outside_its_folder(self):
+        self.assert_one({"shaders/depth/a.glsl": "// Slow on Mesa.\n"}, "shaders/depth/a.glsl:1: a driver's name")
+        self.assertEqual(self.faults({"shaders/driver/a.glsl": "// Slow on Mesa.\n"}), [])
+
+    def test_too_many_modules(self):
+        names = " ".join(f"pass_{number}" for number in range(21))
+        calls = f"taxelsim_shader(a a.comp)\nforeach(pass {names})\n  taxelsim_shader_of_vectors(${{pass}} a.comp)\nendforeach()\n"
+        self.assertEqual(self.faults({"shaders/CMakeLists.txt": calls + "taxelsim_shader(b b.comp)\n"}), [])
+        self.assert_one({"shaders/CMakeLists.txt": calls + "taxelsim_shader_of_vectors(b b.comp)\n"}, "SPIR-V modules of shaders/CMakeLists.txt: 45")
+
+    def test_too_many_constants_of_the_contact_pass(self):
+        self.assert_one({"shaders/passes/contact.h": "// Contact.\n" + "CONSTANT(0, uint, A)\n" * 42}, "passes/contact.h: 42, at most 41")
+
     def test_include_up(self):
         self.assert_one({"src/sensor/a.cpp": '#include "scene/scene.h"\n'}, "src/sensor/a.cpp:1: sensor must not include scene/scene.h")
 

@@ -1,10 +1,11 @@
-// Area sampling: the depth of a sample is the mean over the sample's cell of clamp(-z, 0, THICKNESS), where z is the height of the lowest surface of an
-// object. Sums over the cells of a tile (depth/area/cell_sums.glsl), for one object at a time; then the object that is deepest on average has the cell.
+// Area sampling: the depth of a sample is the mean over the sample's cell of clamp(-z, 0, THICKNESS), where z is the height of the lowest
+// surface of an object. Sums over the cells of a tile (depth/area/cell_sums.glsl), for one object at a time; then the object that is
+// deepest on average has the cell.
 // Twin: src/reference/area_depth.cpp.
 
-const float kVolumeUnits = 134217728.0;   // of the cell's area times Tile::deepest; 2^27 leaves room for sixteen surfaces above each other
-const float kLeastDepth = 1e-9;           // m
-const float kCoveredUnits = 1048576.0;    // of the cell's area
+const float kVolumeUnits = 134217728.0;  // of the cell's area times Tile::deepest; 2^27 leaves room for sixteen surfaces above each other
+const float kLeastDepth = 1e-9;          // m
+const float kCoveredUnits = 1048576.0;   // of the cell's area
 
 // A list of cells that need more work than the others.
 const uint kMostListed = (TILE_SAMPLES + 3u) / 4u;
@@ -46,8 +47,8 @@ void addToSums(Tile tile, uint address, CellSums sums, bool subtract, bool alone
   addVolume(address, subtract ? -more : more, alone);
 }
 
-// How the depth varies over the covered part of a cell, on which its mean is `mean`: a vector, as two half floats. Its direction is the one in which the
-// cell is deeper, or x where there is none; its length is the standard deviation of the depth over the mean.
+// How the depth varies over the covered part of a cell, on which its mean is `mean`: a vector, as two half floats. Its direction is the one
+// in which the cell is deeper, or x where there is none; its length is the standard deviation of the depth over the mean.
 uint variationOf(Tile tile, CellSums sums, float mean) {
   const float kEven = 0.01;                // of a cell: how far from its middle the pressure acts
   const float kLeast = 1e-3, kMost = 8.0;  // of the mean
@@ -55,18 +56,20 @@ uint variationOf(Tile tile, CellSums sums, float mean) {
   float deviation = sqrt(max(sums.square / covered - before * before, 0.0));
   vec2 deeper = sums.moment * tile.spacing;
   bool is_even = length(sums.moment) <= kEven * sums.volume;
-  return packHalf2x16(clamp(deviation / max(mean, kLeastDepth), kLeast, kMost) * (is_even ? vec2(1, 0) : deeper / max(length(deeper), 1e-30)));
+  return packHalf2x16(clamp(deviation / max(mean, kLeastDepth), kLeast, kMost) *
+                      (is_even ? vec2(1, 0) : deeper / max(length(deeper), 1e-30)));
 }
 
 // ---- cells of nodes, for a globally coupled law ----
 //
-// An edge of an object cuts a cell where the depth hardly varies over what is covered; where a smooth surface leaves the skin it varies from 0. Only an edge
-// makes a cell smaller: of a smooth surface the height in the middle of the cell says more. Twin: src/reference/layer_cells.cpp.
+// An edge of an object cuts a cell where the depth hardly varies over what is covered; where a smooth surface leaves the skin it varies
+// from 0. Only an edge makes a cell smaller: of a smooth surface the height in the middle of the cell says more. Twin:
+// src/reference/layer_cells.cpp.
 
 // How far an edge bounds what is covered, 1 to 0, by the variance of the depth over the square of its mean.
-const float kSureEdge = 0.05;  // a plane whose shallow side is half as deep as the deep one has 0.04
+const float kSureEdge = 0.05;     // a plane whose shallow side is half as deep as the deep one has 0.04
 const float kNearlyWhole = 20.0;  // times the share that is not covered, below 1, is how far the height in the middle still counts
-const float kNoEdge = 0.15;    // a parabola that ends in the skin on both sides has 0.2, a plane that ends there on one side 0.33
+const float kNoEdge = 0.15;       // a parabola that ends in the skin on both sides has 0.2, a plane that ends there on one side 0.33
 
 float edgeOf(CellSums sums) {
   float mean = sums.volume / max(sums.covered, 1.0 / kCoveredUnits), square = sums.square / max(sums.covered, 1.0 / kCoveredUnits);
@@ -78,10 +81,12 @@ uint packedCentroid(CellSums sums, float edge) {
   const float kMost = float((1u << (kCentroidBits - 1u)) - 1u);
   ivec2 place = ivec2(round(clamp(2.0 * edge * sums.moment / max(sums.volume, 1e-30), -1.0, 1.0) * kMost));
   uint mask = (1u << kCentroidBits) - 1u;
-  return (uint(place.x) & mask) | (uint(place.y) & mask) << kCentroidBits | uint(round(edge * float((1u << kEdgeBits) - 1u))) << (2u * kCentroidBits);
+  return (uint(place.x) & mask) | (uint(place.y) & mask) << kCentroidBits |
+         uint(round(edge * float((1u << kEdgeBits) - 1u))) << (2u * kCentroidBits);
 }
 
-// Gives a cell of a node to the object in a slot if that is the deepest over what it covers, which is the depth that the word of the tile then holds.
+// Gives a cell of a node to the object in a slot if that is the deepest over what it covers, which is the depth that the word of the tile
+// then holds.
 void giveNodeCell(Tile tile, uint address, uint slot, CellSums sums) {
   float share = clamp(sums.covered, 1.0 / kCoveredUnits, 1.0), depth = sums.volume / max(sums.covered, 1.0 / kCoveredUnits);
   depth = clamp(depth, 0.0, THICKNESS);

@@ -1,7 +1,8 @@
 // Area sampling: sums over the cells of a tile, for one object at a time. Sums are integers, so that the order of facets does not matter.
 //
-// With ONE_VECTOR two sums are one word of 64 bits (driver/README.md): the second sum, plus 2^32 times the first. Otherwise, where an instance has one slot,
-// the sums of volume and share begin at the words of an empty tile: they take no more shared memory, so that a GPU's core has room for more workgroups.
+// With ONE_VECTOR two sums are one word of 64 bits (driver/README.md): the second sum, plus 2^32 times the first. Otherwise, where an
+// instance has one slot, the sums of volume and share begin at the words of an empty tile: they take no more shared memory, so that a GPU's
+// core has room for more workgroups.
 // Shared memory: 8 TILE_SAMPLES with ONE_VECTOR or MANY_SLOTS, else 0; 12 TILE_SAMPLES with VARIATION.
 
 shared uint cell_squares[VARIATION ? TILE_SAMPLES : 1u];
@@ -49,7 +50,8 @@ void addVolume(uint address, ivec2 more, bool alone) {
 }
 
 ivec2 volumeOf(uint address) {
-  return MANY_SLOTS ? ivec2(cell_volumes[address], cell_covered[address]) : ivec2(tile_heights[address] - kEmpty, cell_shares[address] - kWhole);
+  return MANY_SLOTS ? ivec2(cell_volumes[address], cell_covered[address])
+                    : ivec2(tile_heights[address] - kEmpty, cell_shares[address] - kWhole);
 }
 
 void clearVolume(uint address) {

@@ -1,8 +1,8 @@
-// Where a solid touches a line x = const of P: the part of the line over which the solid is below z = 0, in closed form for cylinder, capsule and sphere.
-// Lengths in m, in P. The level is z = 0.
+// Where a solid touches a line x = const of P: the part of the line over which the solid is below z = 0, in closed form for cylinder,
+// capsule and sphere. Lengths in m, in P. The level is z = 0.
 //
-// The part of a convex solid below the level is convex, so that it touches the line in one piece. The ends of the piece are points of the level's section of
-// the tube, of the silhouettes of the tube, or of its ends: rims of a cylinder, spheres of a capsule.
+// The part of a convex solid below the level is convex, so that it touches the line in one piece. The ends of the piece are points of the
+// level's section of the tube, of the silhouettes of the tube, or of its ends: rims of a cylinder, spheres of a capsule.
 
 // The solid in a slot.
 struct Solid {
@@ -15,8 +15,8 @@ struct Solid {
 struct Tube {
   vec3 middle, axis;  // the axis has unit length and does not point down
   float radius, half_length;
-  vec2 ahead;          // the axis seen from above, of unit length
-  float per_level;     // 1 over the length of the axis seen from above
+  vec2 ahead;       // the axis seen from above, of unit length
+  float per_level;  // 1 over the length of the axis seen from above
 };
 
 Tube tubeOf(Solid solid) {
@@ -79,7 +79,8 @@ void extendBySphere(vec3 end, float radius, float x, inout vec2 piece) {
   extend(piece, end.y + sqrt(q));
 }
 
-// The piece of the line that the tube touches, x and w, and the part of it that the lower end of a cylinder has, y and z. Nothing where x > w.
+// The piece of the line that the tube touches, x and w, and the part of it that the lower end of a cylinder has, y and z. Nothing where x >
+// w.
 vec4 chordOf(Tube tube, bool is_cylinder, float x) {
   vec2 piece = vec2(kMiss, kBottomless);
   vec3 low = tube.middle - tube.half_length * tube.axis, high = tube.middle + tube.half_length * tube.axis;

@@ -1,11 +1,10 @@
-// Exact integrals over the part of a polygon that lies in a cell, the unit square, by Green's theorem: the area, and the moments about the corner of the cell,
-// are sums over the directed edges of a counter-clockwise polygon in (u, v).
+// Exact integrals over the part of a polygon that lies in a cell, the unit square, by Green's theorem: the area, and the moments about the
+// corner of the cell, are sums over the directed edges of a counter-clockwise polygon in (u, v).
 //
-//   v ^    1 +----------+      Between the ends of an edge, clamped to the cell along u, the cell holds the trapezoid under the edge; where the edge is
-//     |      |    /|    |      above the cell, a whole column. Edges that go back along u subtract. The sums of both polygons on an edge cancel.
-//     |      |  /  |    |
-//     |    0 +-----+----+
-//     +------> u
+//   v ^    1 +----------+      Between the ends of an edge, clamped to the cell along u, the cell holds the trapezoid under the edge; where
+//   the edge is
+//     |      |    /|    |      above the cell, a whole column. Edges that go back along u subtract. The sums of both polygons on an edge
+//     cancel. |      |  /  |    | |    0 +-----+----+ +------> u
 
 struct EdgeSums {
   vec3 first;   // area, moments along u and v
@@ -28,13 +27,16 @@ void addEdge(vec2 p, vec2 q, vec2 rates, inout EdgeSums sums) {
   float low = min(u0, u1), high = max(u0, u1);
   float ua = clamp(u0 + (a - v0) * rates.y, low, high), ub = clamp(u1 + (b - v1) * rates.y, low, high);
   float width = ub - ua;
-  vec2 before = v0 > 1.0 ? vec2(ua - u0, 0.5 * (ua * ua - u0 * u0)) : vec2(0), after = v1 > 1.0 ? vec2(u1 - ub, 0.5 * (u1 * u1 - ub * ub)) : vec2(0);
+  vec2 before = v0 > 1.0 ? vec2(ua - u0, 0.5 * (ua * ua - u0 * u0)) : vec2(0),
+       after = v1 > 1.0 ? vec2(u1 - ub, 0.5 * (u1 * u1 - ub * ub)) : vec2(0);
   sums.first.x -= 0.5 * width * (a + b) + before.x + after.x;
   sums.first.y -= width * (ua * (2.0 * a + b) + ub * (a + 2.0 * b)) * (1.0 / 6.0) + before.y + after.y;
   sums.first.z -= width * (a * a + a * b + b * b) * (1.0 / 6.0) + 0.5 * (before.x + after.x);
   if (!VARIATION) return;
   float columns = (v0 > 1.0 ? ua * ua * ua - u0 * u0 * u0 : 0.0) + (v1 > 1.0 ? u1 * u1 * u1 - ub * ub * ub : 0.0);
-  sums.second.x -= width * (ua * ua * (3.0 * a + b) + 2.0 * ua * ub * (a + b) + ub * ub * (a + 3.0 * b)) * (1.0 / 12.0) + columns * (1.0 / 3.0);
-  sums.second.y -= width * (ua * (3.0 * a * a + 2.0 * a * b + b * b) + ub * (a * a + 2.0 * a * b + 3.0 * b * b)) * (1.0 / 24.0) + 0.5 * (before.y + after.y);
+  sums.second.x -=
+      width * (ua * ua * (3.0 * a + b) + 2.0 * ua * ub * (a + b) + ub * ub * (a + 3.0 * b)) * (1.0 / 12.0) + columns * (1.0 / 3.0);
+  sums.second.y -= width * (ua * (3.0 * a * a + 2.0 * a * b + b * b) + ub * (a * a + 2.0 * a * b + 3.0 * b * b)) * (1.0 / 24.0) +
+                   0.5 * (before.y + after.y);
   sums.second.z -= width * (a + b) * (a * a + b * b) * (1.0 / 12.0) + (before.x + after.x) * (1.0 / 3.0);
 }

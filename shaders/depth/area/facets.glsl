@@ -1,8 +1,9 @@
-// Area sampling of closed meshes: the facets that look down are clipped at the level of the skin, and add their exact integrals to the cells that they
-// cover (depth/area/edge_sums.glsl, depth/area/cell_depths.glsl). Coordinates (u, v): cell (a, b) of the tile is [a, a + 1] x [b, b + 1].
+// Area sampling of closed meshes: the facets that look down are clipped at the level of the skin, and add their exact integrals to the
+// cells that they cover (depth/area/edge_sums.glsl, depth/area/cell_depths.glsl). Coordinates (u, v): cell (a, b) of the tile is [a, a + 1]
+// x [b, b + 1].
 //
-// Facets that touch are listed first, so that all lanes of a vector have one: of small triangles an invocation adds one facet to all its cells; the cells of
-// a large one are shared by all invocations, and only the cells on its outline need sums over edges.
+// Facets that touch are listed first, so that all lanes of a vector have one: of small triangles an invocation adds one facet to all its
+// cells; the cells of a large one are shared by all invocations, and only the cells on its outline need sums over edges.
 // Shared memory: 4 kMostFacets + 8 bytes.
 
 // A triangle, or two in one plane, counter-clockwise in (u, v); z is the depth under the skin, m. A triangle has c twice.
@@ -61,7 +62,8 @@ void cornersOf(Tile tile, Facet facet, uint part, out vec3 corners[4]) {
 
 // The cells of the tile that corners lie around.
 Box cellsAround(Tile tile, vec3 corners[4]) {
-  vec2 low = min(min(corners[0].xy, corners[1].xy), min(corners[2].xy, corners[3].xy)), high = max(max(corners[0].xy, corners[1].xy), max(corners[2].xy, corners[3].xy));
+  vec2 low = min(min(corners[0].xy, corners[1].xy), min(corners[2].xy, corners[3].xy)),
+       high = max(max(corners[0].xy, corners[1].xy), max(corners[2].xy, corners[3].xy));
   return Box(max(ivec2(floor(low)), 0), min(ivec2(floor(high)), ivec2(tile.size * SAMPLES) - 1));
 }
 
@@ -89,24 +91,26 @@ Part partOf(Tile tile, Facet facet, uint which, inout Found found) {
 
 ivec2 cellOf(Part part, uint number) { return part.first + ivec2(cellNumbered(number, part.num_cols)); }
 
-// Integrals of what `which` part of a facet adds over a part of a cell: its area, its centroid from the cell's middle, the covariance of places (xx, xy, yy), the
-// depth (m) at the centroid and the largest difference of depths on the part.
+// Integrals of what `which` part of a facet adds over a part of a cell: its area, its centroid from the cell's middle, the covariance of
+// places (xx, xy, yy), the depth (m) at the centroid and the largest difference of depths on the part.
 CellSums integralsOver(Facet facet, uint which, float area, vec2 center, vec3 covariance, float depth, float difference) {
   float added = which == kUnseen ? THICKNESS : which == kBeyond ? depth - THICKNESS : depth;
   CellSums sums = CellSums(area * added, which == kBeyond ? 0.0 : area, 0.0, vec2(0));
   if (VARIATION) {
     vec2 slope = which == kUnseen ? vec2(0) : facet.slope, rise = vec2(dot(covariance.xy, slope), dot(covariance.yz, slope));
-    // Of a linear function on a convex part the variance is at most that of an even distribution. What exceeds it is rounding, of a steep facet's narrow part.
+    // Of a linear function on a convex part the variance is at most that of an even distribution. What exceeds it is rounding, of a steep
+    // facet's narrow part.
     float found = dot(rise, slope), variance = clamp(found, 0.0, difference * difference * (1.0 / 12.0));
     if (found != variance) rise = slope * (variance / dot(slope, slope));
-    float beyond = which == kBeyond ? 2.0 * THICKNESS * added : 0.0;                // d^2 - T^2 = (d - T)^2 + 2 T (d - T)
+    float beyond = which == kBeyond ? 2.0 * THICKNESS * added : 0.0;  // d^2 - T^2 = (d - T)^2 + 2 T (d - T)
     sums.square = area * (added * added + variance + beyond);
     sums.moment = area * (added * center + rise);
   }
   return sums;
 }
 
-// Notes a surface below Tile::z_floor over a cell. Only what lies over a cell counts: a load search takes it for an object that is behind the skin.
+// Notes a surface below Tile::z_floor over a cell. Only what lies over a cell counts: a load search takes it for an object that is behind
+// the skin.
 void noteUnseen(Part part, float area, inout Found found) {
   const float kLeastArea = 1e-3;  // of a cell; less may be the rounding of an outline that passes by
   if (NUM_ROWS == 0) found.below_floor = found.below_floor || part.which == kUnseen && area > kLeastArea;
@@ -123,24 +127,26 @@ void addOutlineCell(Tile tile, Facet facet, Part part, uint number, bool alone, 
   noteUnseen(part, area, found);
   // The integral of a plane is the area times its value at the centroid, which lies between those at the corners.
   vec2 at = sums.first.yz / area, middle = corner + at;
-  float low = min(min(part.corners[0].z, part.corners[1].z), min(part.corners[2].z, part.corners[3].z)), high = max(max(part.corners[0].z, part.corners[1].z), max(part.corners[2].z, part.corners[3].z));
+  float low = min(min(part.corners[0].z, part.corners[1].z), min(part.corners[2].z, part.corners[3].z)),
+        high = max(max(part.corners[0].z, part.corners[1].z), max(part.corners[2].z, part.corners[3].z));
   float depth = clamp(facet.a.z + dot(facet.slope, middle - facet.a.xy), low, high);
   vec3 covariance = sums.second / area - vec3(at.x * at.x, at.x * at.y, at.y * at.y);
-  addToSums(tile, uint(cell.x) * tile.stride + uint(cell.y), integralsOver(facet, part.which, area, at - 0.5, covariance, depth, high - low), part.which != kPressed, alone);
+  addToSums(tile, uint(cell.x) * tile.stride + uint(cell.y),
+            integralsOver(facet, part.which, area, at - 0.5, covariance, depth, high - low), part.which != kPressed, alone);
 }
 
 // Adds a facet to all its cells.
 void addFacet(Tile tile, Facet facet, inout Found found) {
   uint parts = partsOf(tile, facet);
   if (parts != 0) do {
-    Part part = partOf(tile, facet, uint(findLSB(parts)), found);
-    uint i = 0;
-    if (part.count > 0) do {
-      addOutlineCell(tile, facet, part, i, false, found);
-    } while (++i < part.count);
-    checkLoop(i < part.count);
-    parts &= parts - 1u;
-  } while (parts != 0);
+      Part part = partOf(tile, facet, uint(findLSB(parts)), found);
+      uint i = 0;
+      if (part.count > 0) do {
+          addOutlineCell(tile, facet, part, i, false, found);
+        } while (++i < part.count);
+      checkLoop(i < part.count);
+      parts &= parts - 1u;
+    } while (parts != 0);
 }
 
 // Whether the corners enclose a cell.
@@ -238,26 +244,26 @@ void addQuads(Tile tile, MeshView view, bool is_candidate, uint first, uint coun
   bool large = isDrawn(kByLargeSums, view.large);
   uint start = 0;
   if (start < count) do {
-    if (gl_LocalInvocationIndex == 0) num_listed_facets = 0;
-    workgroupBarrier();
-    uint end = min(start + kQuadsPerChunk, count);
-    uint i = start + gl_LocalInvocationIndex;
-    do {
-      if (i < end) listFacets(tile, view, quadNumbered(i, is_candidate, first));
-      i += WORKGROUP;
-    } while (i - gl_LocalInvocationIndex < end);
-    workgroupBarrier();
-    if ((TRIANGLE_SIZES & kBySums) != 0) {
-      uint end_facet = large ? 0u : num_listed_facets, f = gl_LocalInvocationIndex;
+      if (gl_LocalInvocationIndex == 0) num_listed_facets = 0;
+      workgroupBarrier();
+      uint end = min(start + kQuadsPerChunk, count);
+      uint i = start + gl_LocalInvocationIndex;
       do {
-        if (f < end_facet) addFacet(tile, listedFacet(tile, view, f), found);
-        f += WORKGROUP;
-      } while (f - gl_LocalInvocationIndex < end_facet);
-    }
-    if ((TRIANGLE_SIZES & kByLargeSums) != 0) {
-      for (uint f = large ? 0 : num_listed_facets; f < num_listed_facets; ++f) addLargeFacet(tile, listedFacet(tile, view, f), found);
-    }
-    workgroupBarrier();
-    start += kQuadsPerChunk;
-  } while (start < count);
+        if (i < end) listFacets(tile, view, quadNumbered(i, is_candidate, first));
+        i += WORKGROUP;
+      } while (i - gl_LocalInvocationIndex < end);
+      workgroupBarrier();
+      if ((TRIANGLE_SIZES & kBySums) != 0) {
+        uint end_facet = large ? 0u : num_listed_facets, f = gl_LocalInvocationIndex;
+        do {
+          if (f < end_facet) addFacet(tile, listedFacet(tile, view, f), found);
+          f += WORKGROUP;
+        } while (f - gl_LocalInvocationIndex < end_facet);
+      }
+      if ((TRIANGLE_SIZES & kByLargeSums) != 0) {
+        for (uint f = large ? 0 : num_listed_facets; f < num_listed_facets; ++f) addLargeFacet(tile, listedFacet(tile, view, f), found);
+      }
+      workgroupBarrier();
+      start += kQuadsPerChunk;
+    } while (start < count);
 }

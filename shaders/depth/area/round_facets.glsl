@@ -1,10 +1,11 @@
-// Area sampling of half-spaces, by two quads; of cones, and of cylinders whose ends look up and down, by the facets of a prism or pyramid of kSides sides with the same area of every
-// section, so that the outlines of flat ends are exact integrals (depth/area/facets.glsl). It deviates by at most 2.1e-4 of the radius.
+// Area sampling of half-spaces, by two quads; of cones, and of cylinders whose ends look up and down, by the facets of a prism or pyramid
+// of kSides sides with the same area of every section, so that the outlines of flat ends are exact integrals (depth/area/facets.glsl). It
+// deviates by at most 2.1e-4 of the radius.
 
 const uint kSides = 128u;
 const float kSideAngle = 6.2831853072 / float(kSides);
-const float kSameArea = 1.00020083;    // radius of a polygon over that of a circle of the same area: sqrt(angle / sin(angle))
-const float kUpright = 0.7;            // cosine of the axis to z of P, from which a cylinder has facets
+const float kSameArea = 1.00020083;  // radius of a polygon over that of a circle of the same area: sqrt(angle / sin(angle))
+const float kUpright = 0.7;          // cosine of the axis to z of P, from which a cylinder has facets
 
 bool hasFacets(Solid solid) {
   return isKind(solid.kind, kKindCone) || isKind(solid.kind, kKindCylinder) && abs(solid.X_PO.row2.z) > kUpright;
@@ -28,17 +29,29 @@ void addRound(Tile tile, Solid solid, inout Found found) {
     vec3 p = inCells(tile, solid, vec3(low_radius * from, low_z)), q = inCells(tile, solid, vec3(low_radius * to, low_z));
     vec3 r = inCells(tile, solid, vec3(radius * from, high_z)), s = inCells(tile, solid, vec3(radius * to, high_z));
     Facet facet;
-    bool looks_down = facetOf(which == 2u ? high : which == 3u ? low : p, which == 0u || which == 3u ? q : which == 1u ? s : r, which < 1u ? s : which == 1u ? r : which == 2u ? s : p, facet);
+    bool looks_down = facetOf(which == 2u   ? high
+                              : which == 3u ? low
+                                            : p,
+                              which == 0u || which == 3u ? q
+                              : which == 1u              ? s
+                                                         : r,
+                              which < 1u    ? s
+                              : which == 1u ? r
+                              : which == 2u ? s
+                                            : p,
+                              facet);
     if (looks_down) addFacet(tile, facet, found);
   }
   checkLoop(i < 4u * kSides);
 }
 
-// A half-space under the tile, by two quads that lie one behind the other along the plane's gradient: a ramp from the skin's surface to full depth, then what is
-// deeper, down to where the tile sees no further. So no depth exceeds the thickness, however steep the plane is. All invocations call it.
+// A half-space under the tile, by two quads that lie one behind the other along the plane's gradient: a ramp from the skin's surface to
+// full depth, then what is deeper, down to where the tile sees no further. So no depth exceeds the thickness, however steep the plane is.
+// All invocations call it.
 void addHalfSpace(inout Tile tile, Solid solid, inout Found found) {
   const float kLeastAcross = 1e-9;
-  vec3 normal = vec3(solid.X_PO.row0.z, solid.X_PO.row1.z, solid.X_PO.row2.z), at = vec3(solid.X_PO.row0.w, solid.X_PO.row1.w, solid.X_PO.row2.w);
+  vec3 normal = vec3(solid.X_PO.row0.z, solid.X_PO.row1.z, solid.X_PO.row2.z),
+       at = vec3(solid.X_PO.row0.w, solid.X_PO.row1.w, solid.X_PO.row2.w);
   vec2 half_size = 0.5 * (tile.end - tile.first) * tile.spacing, middle = samplePosition(tile, 0.5 * (tile.first + tile.end - 1.0));
   float slope = length(normal.xy), across = max(slope, kLeastAcross), descent = max(normal.z, kLeastDescent);
   vec2 ahead = slope > kLeastAcross ? normal.xy / slope : vec2(1, 0);

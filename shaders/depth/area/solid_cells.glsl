@@ -1,17 +1,18 @@
 // Area sampling of spheres, capsules and lying cylinders.
 //
-// Over a cell the lowest surface is a quadratic to the accuracy of kSmooth, but next to an end of a tube and where the surface is steep. The integral of
-// a quadratic depth has a closed form inside of the contact, and along each of kLines lines through a cell on the contact's edge. A convex solid lies
-// above its tangent plane, which discards cells that nothing touches. Through each of the other cells go kScanLines lines along y; Gauss's rule with two
-// nodes in each of three pieces of what touches integrates along a line (depth/area/chords.glsl). Twin: src/reference/mean_depth.cpp.
+// Over a cell the lowest surface is a quadratic to the accuracy of kSmooth, but next to an end of a tube and where the surface is steep.
+// The integral of a quadratic depth has a closed form inside of the contact, and along each of kLines lines through a cell on the contact's
+// edge. A convex solid lies above its tangent plane, which discards cells that nothing touches. Through each of the other cells go
+// kScanLines lines along y; Gauss's rule with two nodes in each of three pieces of what touches integrates along a line
+// (depth/area/chords.glsl). Twin: src/reference/mean_depth.cpp.
 //
 // Cells on the edge and cells with scan lines are listed first: a vector processor takes a branch with all its lanes.
 // Shared memory: 8 bytes.
 
 const uint kLines = 4u;
 const uint kScanLines = 8u;
-const float kSmooth = 0.003;         // of the largest depth: what the quartic terms of a surface may change
-const float kGauss = 0.5773502692;   // nodes of Gauss's rule on [-1, 1]
+const float kSmooth = 0.003;        // of the largest depth: what the quartic terms of a surface may change
+const float kGauss = 0.5773502692;  // nodes of Gauss's rule on [-1, 1]
 
 // Of listed_cells, those on an edge come first, and those with scan lines last.
 LIST_LENGTH uint num_edge_cells;
@@ -34,10 +35,12 @@ Box touchedCells(Tile tile, RoundPart part) {
   vec2 first = (part.middle - half_size - tile.corner) / tile.spacing - tile.first + 0.5 - kRounding;
   vec2 last = (part.middle + half_size - tile.corner) / tile.spacing - tile.first + 0.5 + kRounding;
   vec2 end = tile.end - tile.first;
-  return part.exists ? Box(wholeNumbers(floor(clamp(first, vec2(0), end))), wholeNumbers(floor(clamp(last, vec2(-1), end - 1.0)))) : noSamples();
+  return part.exists ? Box(wholeNumbers(floor(clamp(first, vec2(0), end))), wholeNumbers(floor(clamp(last, vec2(-1), end - 1.0))))
+                     : noSamples();
 }
 
-// The cells of a box that lie in a band along the solid's axis: each row of the box has the same number of cells, from a first cell that depends on the row.
+// The cells of a box that lie in a band along the solid's axis: each row of the box has the same number of cells, from a first cell that
+// depends on the row.
 struct CellBand {
   Box box;
   uint width;            // cells of a row
@@ -61,7 +64,8 @@ CellBand bandOf(Tile tile, RoundPart part) {
 
 uvec2 cellOf(CellBand band, uint number) {
   uvec2 at = cellNumbered(number, band.width);
-  float start = clamp(floor(band.start + band.per_row * float(band.box.first.x + int(at.x))), float(band.box.first.y), float(band.box.last.y + 1 - int(band.width)));
+  float start = clamp(floor(band.start + band.per_row * float(band.box.first.x + int(at.x))), float(band.box.first.y),
+                      float(band.box.last.y + 1 - int(band.width)));
   return uvec2(uint(band.box.first.x) + at.x, uint(wholeNumber(start)) + at.y);
 }
 
@@ -120,8 +124,8 @@ Quadratic tubeUnder(Tube tube, vec2 xy, out float height, out float along, out v
 
 // The lowest surface over the cell in whose middle xy is. False where it is not a quadratic.
 bool quadraticUnder(Tile tile, uint kind, Tube tube, vec2 xy, out Quadratic surface) {
-  const float kSteep = 0.3;      // height over radius
-  const float kUpright = 0.02;   // of a cell: how far the lower end of a cylinder may reach below its tube
+  const float kSteep = 0.3;     // height over radius
+  const float kUpright = 0.02;  // of a cell: how far the lower end of a cylinder may reach below its tube
   vec2 half_size = 0.5 * tile.spacing;
   float height, along = 0.0;
   vec2 rate = vec2(0);
@@ -130,7 +134,8 @@ bool quadraticUnder(Tile tile, uint kind, Tube tube, vec2 xy, out Quadratic surf
   } else {
     surface = tubeUnder(tube, xy, height, along, rate);
   }
-  float bend = 0.5 * dot(surface.bend.xy, half_size * half_size), to_end = tube.half_length - abs(along), margin = dot(abs(rate), half_size) + bend;
+  float bend = 0.5 * dot(surface.bend.xy, half_size * half_size), to_end = tube.half_length - abs(along),
+        margin = dot(abs(rate), half_size) + bend;
   bool is_one = isKind(kind, kKindSphere) || to_end > margin;
   if (isKind(kind, kKindCapsule) && to_end < -margin) {
     surface = sphereUnder(tube.middle + sign(along) * tube.half_length * tube.axis, tube.radius, xy, height);
@@ -145,7 +150,8 @@ bool quadraticUnder(Tile tile, uint kind, Tube tube, vec2 xy, out Quadratic surf
   return is_one && height > kSteep * tube.radius && bend * bend * bend < kSmooth * tile.deepest * tile.sample_area;
 }
 
-// The integrals over t from first to last of the depth max(a + b t - c t^2 / 2, 0), c >= 0: volume, covered length, square, and the moment about t = 0 in `x`.
+// The integrals over t from first to last of the depth max(a + b t - c t^2 / 2, 0), c >= 0: volume, covered length, square, and the moment
+// about t = 0 in `x`.
 CellSums positivePart(float a, float b, float c, float first, float last) {
   const float kLeastBend = 1e-3;  // 1/m: 1e-10 m over a cell of 1 mm
   c = max(c, kLeastBend);
@@ -153,7 +159,8 @@ CellSums positivePart(float a, float b, float c, float first, float last) {
   first = max(min(one, other), first);
   last = min(max(one, other), last);
   float size = b * b + 2.0 * c * a > 0.0 ? max(last - first, 0.0) : 0.0;
-  CellSums sums = CellSums(size * (a + 0.5 * b * (first + last) - c * (first * first + first * last + last * last) * (1.0 / 6.0)), size, 0.0, vec2(0));
+  CellSums sums =
+      CellSums(size * (a + 0.5 * b * (first + last) - c * (first * first + first * last + last * last) * (1.0 / 6.0)), size, 0.0, vec2(0));
   if (VARIATION) {
     // About the middle of the piece: the depth there, its slope, and the half length's square.
     float middle = 0.5 * (first + last), depth = a + middle * (b - 0.5 * c * middle), slope = b - c * middle, h2 = 0.25 * size * size;
@@ -169,13 +176,15 @@ CellSums integralInside(Quadratic surface, vec2 spacing) {
   if (VARIATION) {
     vec2 rise = surface.slope * spacing, bend = surface.bend.xy * spacing * spacing;
     float twist = surface.bend.z * spacing.x * spacing.y;
-    sums.square = sums.volume * sums.volume + dot(rise, rise) * (1.0 / 12.0) + dot(bend, bend) * (1.0 / 720.0) + twist * twist * (1.0 / 144.0);
+    sums.square =
+        sums.volume * sums.volume + dot(rise, rise) * (1.0 / 12.0) + dot(bend, bend) * (1.0 / 720.0) + twist * twist * (1.0 / 144.0);
     sums.moment = rise * (1.0 / 12.0);
   }
   return sums;
 }
 
-// The integrals over a cell on the edge of the contact, on the end of a cylinder, or of the skin's full thickness, of the cell's area. `deepest`: in the cell.
+// The integrals over a cell on the edge of the contact, on the end of a cylinder, or of the skin's full thickness, of the cell's area.
+// `deepest`: in the cell.
 CellSums integralOf(Quadratic surface, vec2 half_size, float deepest) {
   vec2 change = half_size * abs(surface.slope) + 0.5 * half_size * half_size * surface.bend.xy;
   if (surface.end < kMiss) change = abs(surface.end_slope);
@@ -194,7 +203,8 @@ CellSums integralOf(Quadratic surface, vec2 half_size, float deepest) {
       float first = -half_size.y, last = half_size.y, end = surface.end + surface.end_slope.x * x;
       if (surface.end_slope.y > 0.0) first = max(first, -end / surface.end_slope.y);
       if (surface.end_slope.y < 0.0) last = min(last, -end / surface.end_slope.y);
-      float a = surface.depth - float(part) * THICKNESS + x * (surface.slope.x - 0.5 * surface.bend.x * x), b = surface.slope.y - surface.bend.z * x;
+      float a = surface.depth - float(part) * THICKNESS + x * (surface.slope.x - 0.5 * surface.bend.x * x),
+            b = surface.slope.y - surface.bend.z * x;
       CellSums line = positivePart(a, b, surface.bend.y, first, last);
       line.moment = 0.5 * vec2(line.volume * x / half_size.x, line.moment.x / half_size.y);
       if (part > 0) {

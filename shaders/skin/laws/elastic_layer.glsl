@@ -1,5 +1,5 @@
-// The skin as an elastic solid: include/taxelsim/sensor.h, ElasticLayer. Its pressures depend on all heights at once: the contact pass outputs heights, and
-// elastic_layer.comp solves for the pressures.
+// The skin as an elastic solid: include/taxelsim/sensor.h, ElasticLayer. Its pressures depend on all heights at once: the contact pass
+// outputs heights, and elastic_layer.comp solves for the pressures.
 
 const bool kGlobalSolve = true;
 

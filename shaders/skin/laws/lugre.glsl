@@ -1,12 +1,12 @@
-// Shear of the law lugre: bristles that bend, creep and slip with the velocity of the object; include/taxelsim/sensor.h, LuGre. Its normal pressure is that of
-// winkler.glsl; skin/friction.glsl keeps the bristles' state between steps. Twin: src/reference/lugre.cpp.
+// Shear of the law lugre: bristles that bend, creep and slip with the velocity of the object; include/taxelsim/sensor.h, LuGre. Its normal
+// pressure is that of winkler.glsl; skin/friction.glsl keeps the bristles' state between steps. Twin: src/reference/lugre.cpp.
 //
-// The state of a sample is s = sigma0 z, the bristles' deflection z in units of friction, so that it is at most STATIC_FRICTION long whatever their
-// stiffness. At one velocity v throughout a step that moves the object by u, s tends to g v / |v|:
+// The state of a sample is s = sigma0 z, the bristles' deflection z in units of friction, so that it is at most STATIC_FRICTION long
+// whatever their stiffness. At one velocity v throughout a step that moves the object by u, s tends to g v / |v|:
 //   s <- g v / |v| - off e^-x,  off = g v / |v| - s,  x = sigma0 |u| / g(|v|);  z' = off e^-x |v| / g at its end.
 
-const float kMaxMotion = 1e18;    // m, along one axis, and
-const float kMaxSpeed = 1e9;      // m/s: bounds for objects that jump
+const float kMaxMotion = 1e18;  // m, along one axis, and
+const float kMaxSpeed = 1e9;    // m/s: bounds for objects that jump
 const float kMaxPerSecond = 1e30;
 
 // 1 - e^-x for x >= 0; for small x by its series, to 1e-8, without a difference of nearly equal numbers. `fallen`: e^-x.
@@ -17,7 +17,8 @@ float relaxed(float x, float fallen) {
   return x < 0.5 ? small * (low + square * square * high) : 1.0 - fallen;
 }
 
-// Shear traction as a share of the pressure, after the object has moved by `u` (m, along x and y of P), a `share` of it in contact; updates the bristles `s`.
+// Shear traction as a share of the pressure, after the object has moved by `u` (m, along x and y of P), a `share` of it in contact; updates
+// the bristles `s`.
 vec2 bristleShear(inout vec2 s, vec2 u, float share, float per_dt) {
   u = clamp(u, vec2(-kMaxMotion), vec2(kMaxMotion));
   float square = dot(u, u), per_length = square > 0.0 ? inversesqrt(square) : 0.0;
