@@ -2,15 +2,15 @@
 /// A batch of sensor instances over one Model: poses or contact points in, tactile images and features out.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <limits>
 #include <memory>
 #include <span>
 
 #include "taxelsim/contact_point.h"
-#include "taxelsim/contact_type.h"
+#include "taxelsim/features.h"
 #include "taxelsim/model.h"
+#include "taxelsim/output_table.h"
 #include "taxelsim/pose.h"
 #include "taxelsim/skin_variation.h"
 
@@ -23,49 +23,37 @@ inline constexpr int kMaxRegions = 8;      ///< Most contact regions with featur
 /// Load of an instance that is driven by its pose.
 inline constexpr float kPoseDriven = std::numeric_limits<float>::quiet_NaN();
 
-/// Optional outputs. Features and FrameView::tactile_image are always computed.
+/// Optional outputs, the rows of taxelsim/output_table.h. Features and FrameView::tactile_image are always computed.
 struct OutputOptions {
-  bool tactile_normal_force = true;     ///< GroundTruthView::tactile_normal_force.
-  bool tactile_shear_force = true;      ///< GroundTruthView::tactile_shear_force.
-  bool penetration_depth = true;        ///< GroundTruthView::penetration_depth.
-  bool taxel_counts = false;            ///< FrameView::taxel_counts; one more device pass. Needs Readout::three_axis.
-  bool contact_features = false;        ///< FrameView::contact; two more device passes.
-  bool clean_contact_features = false;  ///< GroundTruthView::contact; two more device passes.
-  /// FrameView::jacobian.
-  ///
-  /// Cost of this one and the next together: two device passes each; four under DeformationMask; one and six more solves under
-  /// ElasticLayer. Refused for contact points.
-  bool tactile_jacobian = false;
-  bool clean_tactile_jacobian = false;  ///< GroundTruthView::jacobian.
-  bool taxel_jacobian = false;          ///< GroundTruthView::taxel_jacobian; one device pass, and one that the others share.
-  bool vjp = false;                     ///< Simulator::vjp(); only the pass that the others share. No Jacobian is read back.
+/// Declares the member of an output.
+#define TAXELSIM_OUTPUT(name, is_default, is_derivative, where, text) bool name = is_default;
+  TAXELSIM_OUTPUTS(TAXELSIM_OUTPUT)
+#undef TAXELSIM_OUTPUT
 };
-
-/// No optional outputs.
-inline constexpr OutputOptions kNoOutputs{.tactile_normal_force = false, .tactile_shear_force = false, .penetration_depth = false};
 
 /// A member of OutputOptions.
 struct OutputEntry {
   const char* name;             ///< Its name.
   bool OutputOptions::*member;  ///< The member.
+  bool is_derivative;           ///< Needs the derivatives of forces by a twist of the sensor.
   const char* where;            ///< Where a caller finds the output, in Python's words.
-  bool is_derivative = false;   ///< Needs the derivatives of forces by a twist of the sensor.
+  const char* text;             ///< Content and cost.
 };
 
-/// All members of OutputOptions. A new output is a member and a line here.
-inline constexpr std::array<OutputEntry, 10> kOutputs{{
-    {"tactile_normal_force", &OutputOptions::tactile_normal_force, "frame.ground_truth.tactile_normal_force"},
-    {"tactile_shear_force", &OutputOptions::tactile_shear_force, "frame.ground_truth.tactile_shear_force"},
-    {"penetration_depth", &OutputOptions::penetration_depth, "frame.ground_truth.penetration_depth"},
-    {"taxel_counts", &OutputOptions::taxel_counts, "frame.taxel_counts"},
-    {"contact_features", &OutputOptions::contact_features, "frame.contact"},
-    {"clean_contact_features", &OutputOptions::clean_contact_features, "frame.ground_truth.contact"},
-    {"tactile_jacobian", &OutputOptions::tactile_jacobian, "frame.jacobian", true},
-    {"clean_tactile_jacobian", &OutputOptions::clean_tactile_jacobian, "frame.ground_truth.jacobian", true},
-    {"taxel_jacobian", &OutputOptions::taxel_jacobian, "frame.ground_truth.taxel_jacobian", true},
-    {"vjp", &OutputOptions::vjp, "Simulator.vjp()", true},
-}};
-static_assert(kOutputs.size() == sizeof(OutputOptions), "every output is a bool with a line in the table");
+/// All members of OutputOptions.
+inline constexpr OutputEntry kOutputs[] = {
+/// The entry of an output.
+#define TAXELSIM_OUTPUT(name, is_default, is_derivative, where, text) {#name, &OutputOptions::name, is_derivative, where, text},
+    TAXELSIM_OUTPUTS(TAXELSIM_OUTPUT)
+#undef TAXELSIM_OUTPUT
+};
+
+/// No optional outputs.
+inline constexpr OutputOptions kNoOutputs = [] {
+  OutputOptions none;
+  for (const OutputEntry& output : kOutputs) none.*output.member = false;
+  return none;
+}();
 
 /// Outputs of `a`, of `b`, or of both.
 constexpr OutputOptions operator|(OutputOptions a, const OutputOptions& b) {
@@ -97,122 +85,30 @@ struct ReadoutVariation {
   float noise = 0;        ///< Counts, added in quadrature to the sensor's own noise.
 };
 
-/// Moments of an image of forces. All arrays are instance-major; N = num_instances. Frames: S sensor, P patch.
-struct FeatureView {
-  std::span<const float> total_force;         ///< (N), N.
-  std::span<const float> peak_force;          ///< (N), N: largest taxel.
-  std::span<const float> center_of_pressure;  ///< (N x 3), m, in S; 0 without contact.
-  /// (N x 3), m^2: xx, xy, yy about the centre of pressure, in P; in the xy plane of S for several patches.
-  std::span<const float> second_moments;
-  std::span<const float> eigenvalues;      ///< (N x 2), m^2, larger first.
-  std::span<const float> edge_angle;       ///< (N), rad in (-pi/2, pi/2]: 1/2 atan2(2 xy, xx - yy), paper eq. (3); 0 where undefined.
-  std::span<const float> edge_confidence;  ///< (N), 0 to 1: (l1 - l2) / (l1 + l2).
-  std::span<const float> contact_area;     ///< (N), m^2: area of the taxels above the trigger.
-};
+/// Declares the field of an output per taxel.
+#define TAXELSIM_TAXELS(name, block, type, leading, components, unit, text) std::span<const type> name;
 
-/// Features of contacts on parts of a sensor. In the arrays of FeatureView, N stands for num_instances x num_rows here.
-///
-/// Rows of an instance: the sensor; each patch (none for a list of taxels); then the regions with the largest total force. A region is a
-/// set of connected taxels that read more than 0, or for clean forces more than their trigger. On a grid patch a taxel is connected with
-/// its eight neighbours; on a list with those within 1.5 times the mean size of the two along the skin. Regions do not cross patches. Of
-/// two regions with equal force, the one with the lowest taxel comes first.
-///
-/// Rows without a region are 0; their `patch` is 0 for a sensor of one patch, else -1. Moments and angles are in the plane of `patch`. A
-/// region of a list lies in the plane of its taxel with the largest force, onto which the other taxels are projected.
-struct ContactFeatureView : FeatureView {
-  int num_rows = 0;     ///< 1 + num_patches + max_regions; 0 unless requested.
-  int num_patches = 0;  ///< Rows of patches.
-  /// (N), rad in (-pi/2, pi/2]; 0 where undefined: angle of an edge that the array cuts off.
-  ///
-  /// Principal axis of the forces under a Gaussian window with a standard deviation of 1.15 times the larger pitch. Four iterations move
-  /// the window to the centre of the forces under it. 0 if less than a thousandth of the force is under it.
-  std::span<const float> windowed_edge_angle;
-  std::span<const float> windowed_edge_confidence;  ///< (N), 0 to 1.
-  /// (N), rad in (-pi/2, pi/2]; 0 where undefined: angle of an edge from taxels whose gains differ.
-  ///
-  /// Ridge of a Gaussian that is fitted to the forces on a logarithmic scale, so that a taxel counts by its relative error. A border
-  /// of the array does not bias the angle. Forces are divided by Readout::calibrated_gain, which halves the error of scattered gains.
-  std::span<const float> ridge_edge_angle;
-  std::span<const float> ridge_edge_confidence;  ///< (N), 0 to 1: curvatures of the logarithm across and along the ridge.
-  /// (N x 2), rad: rotation of a flat face against `patch`, about its x and y, right-handed.
-  ///
-  /// A face rotated by a > 0 about x presses less at +y; one rotated by b > 0 about y presses more at +x. From the slope of the pressure
-  /// over the core, divided by the stiffness of foundationOf(skin) at the core's mean pressure. The core are the taxels inside patch and
-  /// contact whose force the point spread does not change; saturated taxels are left out. Undefined for curved objects. 0 with confidence 0
-  /// for a core of fewer than four taxels or of taxels on a line, in the plane of S, and on lists.
-  std::span<const float> tilt;
-  std::span<const float> tilt_confidence;     ///< (N), 0 to 1: 1 - RMS residual of a plane through the core's forces over their mean.
-  std::span<const ContactType> contact_type;  ///< (N).
-  std::span<const std::int32_t> patch;        ///< (N), patch, or taxel of a list, whose plane the moments are in; -1: xy plane of S.
-  std::span<const std::int32_t> num_regions;  ///< (num_instances): all regions, of which the largest have rows; 0 if max_regions is 0.
-};
-
-/// Derivatives of features by a small twist of the sensor while the objects stay. N stands for num_instances x num_rows.
-///
-/// Six columns: velocity v of the origin of S along x, y, z of S (per m), then angular velocity w about x, y, z of S (per rad). For a twist
-/// of the objects with the sensor at rest the sign is opposite: a sensor that moves along +x has d center_of_pressure x / d v_x = -1. Rows
-/// of an instance: the sensor, then its patches (none for a list of taxels), as in ContactFeatureView. Undefined values are 0, never NaN:
-/// all without contact, the row of an edge angle with confidence 0.
-///
-/// Computed from the samples of this frame by the force balance of each taxel (Reynolds' transport theorem; shaders/skin/cell_fluxes.glsl):
-/// a sideways motion transports force through the taxel's sides, a vertical motion changes it by the law's stiffness. They are therefore
-/// derivatives of the features of this array, not of a continuous skin. Assumptions: MassSpringDamper is at rest; a skin that relaxes keeps
-/// its present stiffness at every sample; friction has no part; ElasticLayer responds by its own equations over the samples in contact, and
-/// if it relaxes, with its instantaneous stiffness. For a load-driven instance, the derivatives are at the pose that the load search found,
-/// and that pose stays.
-struct TactileJacobianView {
-  int num_rows = 0;                           ///< 1 + num_patches; 0 unless requested.
-  int num_patches = 0;                        ///< Rows of patches.
-  std::span<const float> center_of_pressure;  ///< (N x 3 x 6), m/m and m/rad, in S.
-  std::span<const float> total_force;         ///< (N x 6), N/m and N/rad.
-  std::span<const float> edge_angle;          ///< (N x 6), rad/m and rad/rad.
-};
-
-/// The same from clean forces, and the Jacobian of the contact wrench.
-struct CleanTactileJacobianView : TactileJacobianView {
-  std::span<const float> contact_wrench;  ///< (num_instances x 6 x 6), N/m, N/rad, then N m/m, N m/rad; of the normal forces.
-};
-
-/// Values that no sensor could measure: before time behaviour, readout and noise.
-struct GroundTruthView : FeatureView {
-  std::span<const float> tactile_normal_force;  ///< (N x num_taxels), N, after the PSF; empty unless requested.
-  std::span<const float>
-      tactile_shear_force;  ///< (N x num_taxels x 2), N, along x and y of the taxel, on the skin; empty unless requested.
-  /// (N x 6 x num_taxels), N/m and N/rad: derivatives of tactile_normal_force by the sensor's twist, as TactileJacobianView says; empty
-  /// unless requested. The product of a gradient by forces with it is the gradient by the pose.
-  std::span<const float> taxel_jacobian;
-  std::span<const float> penetration_depth;  ///< (N x num_taxels), m, mean over the taxel's samples; empty unless requested.
-  std::span<const float> contact_wrench;     ///< (N x 6): force (N) and torque (N m) on the sensor at its origin, in S, before the PSF.
-  std::span<const float> over_penetration;   ///< (N), fraction of samples at least as deep as the skin is thick; 0 for contact points.
-  std::span<const float> load_offset;        ///< (N), m: displacement of the objects along z by the load search; 0 when pose-driven.
-  std::span<const bool> load_reached;        ///< (N), true when pose-driven or when the load is carried.
-  /// (N), N. Contact points: normal force of those that lie on no taxel; it is in no other output, contact_wrench included, because a force
-  /// without a patch has no direction. Objects: force on the margin of an ElasticLayer, part of contact_wrench; 0 for other laws.
-  std::span<const float> off_array_load;
-  std::span<const std::int32_t> off_array_contacts;  ///< (N): contact points that lie on no taxel.
-  /// (N), >= 0: RMS error of the surface displacement over the samples in contact, relative to the largest depth. Empty unless the law is
-  /// ElasticLayer.
-  std::span<const float> contact_residual;
-  std::span<const std::int32_t> contact_iterations;  ///< (N), iterations of the contact solver. Empty unless the law is ElasticLayer.
-  ContactFeatureView contact;                        ///< From tactile_normal_force; empty unless requested.
-  CleanTactileJacobianView jacobian;                 ///< Of the features above; empty unless requested.
+/// Values that no sensor could measure: before time behaviour, readout and noise. Arrays are instance-major; N = num_instances.
+struct GroundTruthView : TruthFeatureView {
+  TAXELSIM_TRUE_TAXELS(TAXELSIM_TAXELS)  ///< (N x leading x num_taxels x components); empty unless requested.
+  ContactFeatureView contact;            ///< From tactile_normal_force; empty unless requested.
+  CleanTactileJacobianView jacobian;     ///< Of the features above; empty unless requested.
 };
 
 /// One frame of the whole batch. The spans stay valid until the next step() of the same simulator.
 ///
 /// Measured features come from `tactile_image`, converted to newtons by the nominal curve.
-struct FrameView : FeatureView {
+struct FrameView : ReadoutFeatureView {
   std::span<const std::uint32_t> tactile_image;  ///< (N x num_taxels), counts.
-  std::span<const float> saturated;              ///< (N), fraction of taxels at the upper end of their range.
-  /// (N x num_taxels x 3), counts of three-axis taxels along x, y and the normal of each, -saturation to saturation (ThreeAxisReadout).
-  /// Shear has the sign of tactile_shear_force, a press is positive. Empty unless requested.
-  std::span<const std::int32_t> taxel_counts;
-  ContactFeatureView contact;  ///< From `tactile_image`; empty unless requested.
+  TAXELSIM_MEASURED_TAXELS(TAXELSIM_TAXELS)      ///< (N x num_taxels x components), -saturation to saturation; empty unless requested.
+  ContactFeatureView contact;                    ///< From `tactile_image`; empty unless requested.
   /// Of the readout of the clean forces, without noise, bias, time behaviour and rounding. The derivative of a taxel is its gain, or 0 for
   /// a taxel that is below its trigger, saturated or dead. Empty unless requested.
   TactileJacobianView jacobian;
   GroundTruthView ground_truth;  ///< Values that no sensor could measure.
 };
+
+#undef TAXELSIM_TAXELS
 
 /// Gradient of a loss, Simulator::vjp(). Arrays are instance-major; N = num_instances.
 struct GradientView {

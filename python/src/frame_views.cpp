@@ -44,41 +44,44 @@ class Arrays {
   nb::dict arrays_;
 };
 
+// Shape of a row of a feature; of a derivative by a twist, whose last axis has six values.
+std::vector<std::size_t> shapeOf(std::size_t width) {
+  return width > 1 ? std::vector{width} : std::vector<std::size_t>{};
+}
+std::vector<std::size_t> shapeOfDerivative(std::size_t width) {
+  return width > 6 ? std::vector<std::size_t>{width / 6, 6} : std::vector<std::size_t>{6};
+}
+
+// Statements that add the features of a table of taxelsim/feature_table.h to `arrays`, from `view`.
+#define TAXELSIM_ADD(constant, name, offset, width, ...) arrays.add(#name, view.name, shapeOf(width));
+#define TAXELSIM_ADD_PER_INSTANCE(constant, name, offset, width, ...) arrays.addPerInstance(#name, view.name, shapeOf(width));
+#define TAXELSIM_ADD_DERIVATIVE(constant, name, offset, width, ...) arrays.add(#name, view.name, shapeOfDerivative(width));
+#define TAXELSIM_ADD_WRENCH(constant, name, offset, width, ...) arrays.addPerInstance(#name, view.name, shapeOfDerivative(width));
+
 void addFeatures(const FeatureView& view, Arrays& arrays) {
-  arrays.add("total_force", view.total_force);
-  arrays.add("peak_force", view.peak_force);
-  arrays.add("center_of_pressure", view.center_of_pressure, {3});
-  arrays.add("second_moments", view.second_moments, {3});
-  arrays.add("eigenvalues", view.eigenvalues, {2});
-  arrays.add("edge_angle", view.edge_angle);
-  arrays.add("edge_confidence", view.edge_confidence);
-  arrays.add("contact_area", view.contact_area);
+  TAXELSIM_IMAGE_FEATURES(TAXELSIM_ADD)
 }
 
 void addContact(const ContactFeatureView& view, std::size_t num_instances, nb::handle owner, Arrays& parent) {
   if (view.num_rows == 0) return;
   Arrays arrays({num_instances, static_cast<std::size_t>(view.num_rows)}, owner);
   addFeatures(view, arrays);
-  arrays.add("windowed_edge_angle", view.windowed_edge_angle);
-  arrays.add("windowed_edge_confidence", view.windowed_edge_confidence);
-  arrays.add("ridge_edge_angle", view.ridge_edge_angle);
-  arrays.add("ridge_edge_confidence", view.ridge_edge_confidence);
-  arrays.add("tilt", view.tilt, {2});
-  arrays.add("tilt_confidence", view.tilt_confidence);
-  arrays.add("contact_type", view.contact_type);
-  arrays.add("patch", view.patch);
-  arrays.addPerInstance("num_regions", view.num_regions);
+  TAXELSIM_CONTACT_FEATURES(TAXELSIM_ADD)
+  TAXELSIM_REGION_FEATURES(TAXELSIM_ADD_PER_INSTANCE)
   parent.add("contact", arrays.take());
 }
 
-void addJacobian(const TactileJacobianView& view, std::span<const float> contact_wrench, std::size_t num_instances, nb::handle owner,
-                 Arrays& parent) {
+void addWrench(const TactileJacobianView&, Arrays&) {}
+void addWrench(const CleanTactileJacobianView& view, Arrays& arrays) {
+  TAXELSIM_WRENCH_JACOBIAN(TAXELSIM_ADD_WRENCH)
+}
+
+template <typename View>
+void addJacobian(const View& view, std::size_t num_instances, nb::handle owner, Arrays& parent) {
   if (view.num_rows == 0) return;
   Arrays arrays({num_instances, static_cast<std::size_t>(view.num_rows)}, owner);
-  arrays.add("center_of_pressure", view.center_of_pressure, {3, 6});
-  arrays.add("total_force", view.total_force, {6});
-  arrays.add("edge_angle", view.edge_angle, {6});
-  arrays.addPerInstance("contact_wrench", contact_wrench, {6, 6});
+  TAXELSIM_JACOBIAN_FEATURES(TAXELSIM_ADD_DERIVATIVE)
+  addWrench(view, arrays);
   parent.add("jacobian", arrays.take());
 }
 
@@ -97,38 +100,31 @@ void addTaxels(const char* name, std::span<const T> values, const Sensor& sensor
   arrays.add(name, values, shape);
 }
 
+#define TAXELSIM_ADD_TAXELS(name, block, type, leading, components, ...) \
+  addTaxels(#name, view.name, sensor, arrays, shapeOf(leading), shapeOf(components));
+
 nb::dict groundTruthOf(const GroundTruthView& view, const Sensor& sensor, std::size_t num_instances, nb::handle owner) {
   Arrays arrays({num_instances}, owner);
   addFeatures(view, arrays);
-  addTaxels("tactile_normal_force", view.tactile_normal_force, sensor, arrays);
-  addTaxels("penetration_depth", view.penetration_depth, sensor, arrays);
-  addTaxels("taxel_jacobian", view.taxel_jacobian, sensor, arrays, {6});
-  addTaxels("tactile_shear_force", view.tactile_shear_force, sensor, arrays, {}, {2});
-  arrays.add("contact_wrench", view.contact_wrench, {6});
-  arrays.add("over_penetration", view.over_penetration);
-  arrays.add("load_offset", view.load_offset);
-  arrays.add("load_reached", view.load_reached);
-  arrays.add("off_array_load", view.off_array_load);
-  arrays.add("off_array_contacts", view.off_array_contacts);
-  arrays.add("contact_residual", view.contact_residual);
-  arrays.add("contact_iterations", view.contact_iterations);
+  TAXELSIM_TRUE_TAXELS(TAXELSIM_ADD_TAXELS)
+  TAXELSIM_TRUTH_FEATURES(TAXELSIM_ADD)
   addContact(view.contact, num_instances, owner, arrays);
-  addJacobian(view.jacobian, view.jacobian.contact_wrench, num_instances, owner, arrays);
+  addJacobian(view.jacobian, num_instances, owner, arrays);
   return arrays.take();
 }
 
 }  // namespace
 
-nb::dict arraysOf(const FrameView& frame, const Sensor& sensor, int num_instances, nb::handle owner) {
+nb::dict arraysOf(const FrameView& view, const Sensor& sensor, int num_instances, nb::handle owner) {
   const auto n = static_cast<std::size_t>(num_instances);
   Arrays arrays({n}, owner);
-  addFeatures(frame, arrays);
-  addTaxels("tactile_image", frame.tactile_image, sensor, arrays);
-  addTaxels("taxel_counts", frame.taxel_counts, sensor, arrays, {}, {3});
-  arrays.add("saturated", frame.saturated);
-  addContact(frame.contact, n, owner, arrays);
-  addJacobian(frame.jacobian, {}, n, owner, arrays);
-  arrays.add("ground_truth", groundTruthOf(frame.ground_truth, sensor, n, owner));
+  addFeatures(view, arrays);
+  addTaxels("tactile_image", view.tactile_image, sensor, arrays);
+  TAXELSIM_MEASURED_TAXELS(TAXELSIM_ADD_TAXELS)
+  TAXELSIM_READOUT_FEATURES(TAXELSIM_ADD)
+  addContact(view.contact, n, owner, arrays);
+  addJacobian(view.jacobian, n, owner, arrays);
+  arrays.add("ground_truth", groundTruthOf(view.ground_truth, sensor, n, owner));
   return arrays.take();
 }
 

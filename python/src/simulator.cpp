@@ -143,9 +143,9 @@ void bindOptions(nb::module_& module) {
   nb::class_<OutputOptions> outputs(module, "OutputOptions",
                                     "Optional outputs of a Simulator. Features and the tactile image are always computed.");
   [&]<std::size_t... I>(std::index_sequence<I...>) {
-    addFields(outputs, field(kOutputs[I].name, kOutputs[I].member, kOutputs[I].where)...);
+    addFields(outputs, field(kOutputs[I].name, kOutputs[I].member, kOutputs[I].text)...);
   }
-  (std::make_index_sequence<kOutputs.size()>());
+  (std::make_index_sequence<std::size(kOutputs)>());
   nb::dict where;
   for (const OutputEntry& output : kOutputs) where[output.name] = output.where;
   module.attr("OUTPUTS") = where;

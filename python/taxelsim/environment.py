@@ -13,7 +13,7 @@ import numpy.typing as npt
 from . import _core
 from ._arguments import checked_count, checked_names
 from ._arrays import Dimension, to_array
-from ._core import TASK_MEASURES, Device, OutputOptions, Scene, Sensor
+from ._core import OUTPUTS, TASK_MEASURES, Device, OutputOptions, Scene, Sensor
 from ._counts import IMAGE_UNITS, newtons_of_counts
 from .errors import InputError
 from .frame import Arrays, BoolArray, FloatArray, Frame, IntArray
@@ -21,7 +21,7 @@ from .frame import Arrays, BoolArray, FloatArray, Frame, IntArray
 DoubleArray = npt.NDArray[np.float64]
 EpisodeArray = npt.NDArray[np.uint64]
 
-NO_OUTPUTS = OutputOptions(tactile_normal_force=False, tactile_shear_force=False, penetration_depth=False)
+NO_OUTPUTS = OutputOptions(**dict.fromkeys(OUTPUTS, False))
 
 
 class EnvironmentFrame(Frame):

@@ -31,7 +31,7 @@ ImageContact contactOf(const Sensor& sensor, std::span<const float> counts) {
   if (!(features.total_force > 0)) return {.total_force = 0, .center_of_pressure = {kNaN, kNaN, kNaN}, .edge_angle = kNaN};
   return {.total_force = features.total_force,
           .center_of_pressure = features.center_of_pressure,
-          .edge_angle = features.edge_confidence > 0 ? features.edge_angle : kNaN};
+          .edge_angle = reference::hasEdge(features) ? features.edge_angle : kNaN};
 }
 
 void checkSize(const Sensor& sensor, std::span<const float> image, const char* which) {

@@ -120,15 +120,18 @@ std::string frameJson(const Sensor& sensor, const FrameView& frame) {
   FrameJson json;
   json["sensor"] = sensor.name;
   json["tactile_image"] = taxelsOf(sensor, frame.tactile_image);
-  if (!frame.taxel_counts.empty()) json["taxel_counts"] = taxelsOf(sensor, frame.taxel_counts, 3);
+  const auto addTaxels = [&sensor](FrameJson& to, const char* name, auto values, std::size_t components) {
+    if (!values.empty()) to[name] = taxelsOf(sensor, values, components);
+  };
+#define TAXELSIM_MEASURED(name, block, type, leading, components, ...) addTaxels(json, #name, frame.name, components);
+#define TAXELSIM_TRUE(name, block, type, leading, components, ...) addTaxels(clean, #name, truth.name, components);
+  TAXELSIM_MEASURED_TAXELS(TAXELSIM_MEASURED)
   addFeatures(json, imageFeatures(), frame);
   addFeatures(json, readoutFeatures(), frame);
   json["contact"] = contactJson(frame.contact);
   const GroundTruthView& truth = frame.ground_truth;
   FrameJson& clean = json["ground_truth"];
-  clean["tactile_normal_force"] = taxelsOf(sensor, truth.tactile_normal_force);
-  clean["tactile_shear_force"] = taxelsOf(sensor, truth.tactile_shear_force, 2);
-  if (!truth.penetration_depth.empty()) clean["penetration_depth"] = taxelsOf(sensor, truth.penetration_depth);
+  TAXELSIM_TRUE_TAXELS(TAXELSIM_TRUE)
   addFeatures(clean, imageFeatures(), truth);
   clean["contact"] = contactJson(truth.contact);
   addTruth(clean, truth);

@@ -290,11 +290,12 @@ TactileServoController::ContactState TactileServoController::contactState(const 
                                                                           std::size_t i) const {
   const std::size_t row = i * static_cast<std::size_t>(input.num_rows) +
                           static_cast<std::size_t>(servo.contact == ServoContact::kLargestRegion ? input.region_row : input.whole_row);
-  ContactState contact{.angle = input.edge_angle[row],
-                       .confidence = input.edge_confidence[row],
-                       .force = input.total_force[row],
-                       .area = input.contact_area[row],
-                       .center = {input.center_of_pressure[3 * row], input.center_of_pressure[3 * row + 1]},
+  const ContactFeatureView& features = input.features;
+  ContactState contact{.angle = features.edge_angle[row],
+                       .confidence = features.edge_confidence[row],
+                       .force = features.total_force[row],
+                       .area = features.contact_area[row],
+                       .center = {features.center_of_pressure[3 * row], features.center_of_pressure[3 * row + 1]},
                        .tilt = {0, 0},
                        .tilt_confidence = 0,
                        .start_force = input.start_force[i],
@@ -304,21 +305,21 @@ TactileServoController::ContactState TactileServoController::contactState(const 
                        .angle_jacobian = nullptr};
   if (needsTactileJacobian(servo)) {
     const std::size_t jacobian_row = i * static_cast<std::size_t>(input.num_jacobian_rows) + static_cast<std::size_t>(input.jacobian_row);
-    contact.center_jacobian = &input.center_jacobian[18 * jacobian_row];
-    contact.force_jacobian = &input.force_jacobian[6 * jacobian_row];
-    contact.angle_jacobian = &input.edge_angle_jacobian[6 * jacobian_row];
+    contact.center_jacobian = &input.jacobian.center_of_pressure[18 * jacobian_row];
+    contact.force_jacobian = &input.jacobian.total_force[6 * jacobian_row];
+    contact.angle_jacobian = &input.jacobian.edge_angle[6 * jacobian_row];
   }
   if (servo[ServoFeature::kTiltX].selected || servo[ServoFeature::kTiltY].selected) {
-    contact.tilt[0] = input.tilt[2 * row];
-    contact.tilt[1] = input.tilt[2 * row + 1];
-    contact.tilt_confidence = input.tilt_confidence[row];
+    contact.tilt[0] = features.tilt[2 * row];
+    contact.tilt[1] = features.tilt[2 * row + 1];
+    contact.tilt_confidence = features.tilt_confidence[row];
   }
   if (servo.edge_angle_source == EdgeAngleSource::kWindow) {
-    contact.angle = input.windowed_edge_angle[row];
-    contact.confidence = input.windowed_edge_confidence[row];
+    contact.angle = features.windowed_edge_angle[row];
+    contact.confidence = features.windowed_edge_confidence[row];
   } else if (servo.edge_angle_source == EdgeAngleSource::kRidge) {
-    contact.angle = input.ridge_edge_angle[row];
-    contact.confidence = input.ridge_edge_confidence[row];
+    contact.angle = features.ridge_edge_angle[row];
+    contact.confidence = features.ridge_edge_confidence[row];
   } else if (servo.edge_angle_source == EdgeAngleSource::kExact) {
     const bool known = !std::isnan(input.exact_edge_angle[i]);
     contact.angle = known ? input.exact_edge_angle[i] : 0;
@@ -337,9 +338,10 @@ void TactileServoController::command(const ServoInput& input, double dt, std::sp
   [[maybe_unused]] const std::size_t num_instances = twists.size();
   [[maybe_unused]] const std::size_t num_rows = num_instances * static_cast<std::size_t>(input.num_rows);
   assert(num_instances == pid_states_.size());
-  assert(input.edge_angle.size() == num_rows && input.edge_confidence.size() == num_rows);
-  assert(input.total_force.size() == num_rows && input.center_of_pressure.size() == 3 * num_rows);
-  assert(input.contact_area.size() == num_rows && input.start_force.size() == num_instances);
+  [[maybe_unused]] const FeatureView& features = input.features;
+  assert(features.edge_angle.size() == num_rows && features.edge_confidence.size() == num_rows);
+  assert(features.total_force.size() == num_rows && features.center_of_pressure.size() == 3 * num_rows);
+  assert(features.contact_area.size() == num_rows && input.start_force.size() == num_instances);
   assert(input.due.size() == num_instances);
   for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(last); ++i) {
     if (!input.due[i]) continue;

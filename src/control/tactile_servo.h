@@ -27,6 +27,7 @@
 #include <vector>
 
 #include "taxelsim/control.h"
+#include "taxelsim/features.h"
 #include "taxelsim/pose.h"
 #include "taxelsim/sensor.h"
 
@@ -38,28 +39,15 @@ struct ServoInput {
   int num_rows = 1;
   int whole_row = 0;
   int region_row = 0;
-  std::span<const float> edge_angle;          // rad, of the principal axis, modulo pi
-  std::span<const float> edge_confidence;     // 0 to 1
-  std::span<const float> total_force;         // N
-  std::span<const float> center_of_pressure;  // (N x num_rows x 3), m
-  std::span<const float> contact_area;        // m^2
-  // (N x num_rows); may be empty if no servo needs contact features (needsContactFeatures()).
-  std::span<const float> windowed_edge_angle = {};       // rad
-  std::span<const float> windowed_edge_confidence = {};  // 0 to 1
-  std::span<const float> ridge_edge_angle = {};          // rad
-  std::span<const float> ridge_edge_confidence = {};     // 0 to 1
-  std::span<const float> tilt = {};                      // (N x num_rows x 2), rad
-  std::span<const float> tilt_confidence = {};           // 0 to 1
-  // Tactile Jacobian with respect to (v, w) of S: row `jacobian_row` of each instance's num_jacobian_rows is used. May be empty if no
-  // servo needs it (needsTactileJacobian()).
+  // Image features; contact features may be empty if no servo needs them (needsContactFeatures()). Its own num_rows is not read.
+  ContactFeatureView features{};
+  // Row `jacobian_row` of each instance's num_jacobian_rows is used. May be empty if no servo needs it (needsTactileJacobian()).
   int num_jacobian_rows = 1;
   int jacobian_row = 0;
-  std::span<const float> center_jacobian = {};      // (N x num_jacobian_rows x 3 x 6), m/m, m/rad
-  std::span<const float> force_jacobian = {};       // (... x 6), N/m, N/rad
-  std::span<const float> edge_angle_jacobian = {};  // (... x 6), rad/m, rad/rad, of the principal axis
-  std::span<const float> exact_edge_angle = {};     // (N), rad, NaN if the object has no edge; may be empty if no servo uses it
-  std::span<const float> start_force;               // (N), N: reference of the force for servos without one
-  std::span<const std::uint8_t> due;                // (N): instances with a control tick now; the others keep their twists
+  TactileJacobianView jacobian{};
+  std::span<const float> exact_edge_angle = {};  // (N), rad, NaN if the object has no edge; may be empty if no servo uses it
+  std::span<const float> start_force;            // (N), N: reference of the force for servos without one
+  std::span<const std::uint8_t> due;             // (N): instances with a control tick now; the others keep their twists
 };
 
 class TactileServoController {

@@ -4,6 +4,7 @@
 #include "episodes/probe.h"
 #include "episodes/task_judge.h"
 #include "evaluation/play.h"
+#include "simulation/feature_table.h"
 
 namespace taxelsim {
 namespace {
@@ -29,9 +30,9 @@ class ProbeSink : public EpisodeSink {
 
  private:
   void add(const FeatureView& features) {
-    for (const std::span<const float> values : {features.total_force, features.peak_force, features.center_of_pressure,
-                                                features.second_moments, features.edge_angle, features.edge_confidence})
-      digest_.add(std::as_bytes(values));
+    for (const FeatureField<FeatureView>& field : imageFeatures()) {
+      std::visit([this](auto values) { digest_.add(std::as_bytes(values)); }, field.values(features));
+    }
   }
 
   std::uint64_t next_ = 0;

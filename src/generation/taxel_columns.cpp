@@ -1,56 +1,51 @@
 #include "generation/taxel_columns.h"
 
 #include <span>
+#include <string>
+#include <type_traits>
 
 namespace taxelsim {
 namespace {
 
 using Source = FrameColumn::Source;
 
-// (num_rows, num_cols) of one grid patch, else (num_taxels).
-std::vector<std::size_t> taxelShape(const Sensor& sensor) {
-  if (sensor.patches.size() != 1) return {static_cast<std::size_t>(numTaxels(sensor))};
-  return {static_cast<std::size_t>(sensor.patches[0].num_rows), static_cast<std::size_t>(sensor.patches[0].num_cols)};
-}
-
-// The same, then the components of a vector per taxel.
-std::vector<std::size_t> taxelVectors(const Sensor& sensor, std::size_t size) {
-  std::vector<std::size_t> shape = taxelShape(sensor);
-  shape.push_back(size);
+// (num_rows, num_cols) of one grid patch, else (num_taxels); then the components of each taxel.
+std::vector<std::size_t> taxelShape(const Sensor& sensor, std::size_t components = 1) {
+  std::vector<std::size_t> shape{static_cast<std::size_t>(numTaxels(sensor))};
+  if (sensor.patches.size() == 1) {
+    shape = {static_cast<std::size_t>(sensor.patches[0].num_rows), static_cast<std::size_t>(sensor.patches[0].num_cols)};
+  }
+  if (components > 1) shape.push_back(components);
   return shape;
 }
+
+template <typename T>
+constexpr ScalarType kScalar = std::is_integral_v<T> ? ScalarType::kInt32 : ScalarType::kFloat32;
+
+// Statements that add the column of an output per taxel, from the view that view(frame) returns.
+#define TAXELSIM_COLUMN(name, block, type, leading, components, unit, text)                                \
+  if (groups.contains(#name)) {                                                                            \
+    columns.push_back({{prefix + #name, kScalar<type>, taxelShape(sensor, components), unit, text, false}, \
+                       Source::kFeature,                                                                   \
+                       [view](const FrameView& frame) { return FeatureValues(view(frame).name); }});       \
+  }
 
 }  // namespace
 
 void addMeasuredTaxels(const Sensor& sensor, const std::set<std::string>& groups, std::vector<FrameColumn>& columns) {
+  const std::string prefix = "data/";
   if (groups.contains("tactile_image")) {
     columns.push_back(
-        {{"data/tactile_image", ScalarType::kUint16, taxelShape(sensor), "counts", "Output of the sensor.", false}, Source::kImage});
+        {{prefix + "tactile_image", ScalarType::kUint16, taxelShape(sensor), "counts", "Output of the sensor.", false}, Source::kImage});
   }
-  if (groups.contains("taxel_counts")) {
-    columns.push_back(
-        {{"data/taxel_counts", ScalarType::kInt32, taxelVectors(sensor, 3), "counts",
-          "Output of three-axis taxels along x, y and the normal of each; shear as it acts on the skin, a press positive.", false},
-         Source::kFeature,
-         [](const FrameView& frame) { return FeatureValues(frame.taxel_counts); }});
-  }
+  const auto view = [](const FrameView& frame) -> const FrameView& { return frame; };
+  TAXELSIM_MEASURED_TAXELS(TAXELSIM_COLUMN)
 }
 
 void addTrueTaxels(const Sensor& sensor, const std::set<std::string>& groups, std::vector<FrameColumn>& columns) {
-  const auto add = [&](const std::string& name, std::vector<std::size_t> shape, const char* unit, const char* description,
-                       std::span<const float> GroundTruthView::*member) {
-    if (!groups.contains(name)) return;
-    columns.push_back({{"data/ground_truth/" + name, ScalarType::kFloat32, std::move(shape), unit, description, false},
-                       Source::kFeature,
-                       [member](const FrameView& frame) { return FeatureValues(frame.ground_truth.*member); }});
-  };
-  add("tactile_normal_force", taxelShape(sensor), "N", "Normal force of each taxel after the point spread function, before the readout.",
-      &GroundTruthView::tactile_normal_force);
-  add("tactile_shear_force", taxelVectors(sensor, 2), "N",
-      "Shear force of each taxel along its x and y after the point spread function, before the readout.",
-      &GroundTruthView::tactile_shear_force);
-  add("penetration_depth", taxelShape(sensor), "m", "Depth of the object in the skin, mean over each taxel.",
-      &GroundTruthView::penetration_depth);
+  const std::string prefix = "data/ground_truth/";
+  const auto view = [](const FrameView& frame) -> const GroundTruthView& { return frame.ground_truth; };
+  TAXELSIM_TRUE_TAXELS(TAXELSIM_COLUMN)
 }
 
 void addOffArrayPoints(std::vector<FrameColumn>& columns) {

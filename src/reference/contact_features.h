@@ -23,14 +23,7 @@ namespace taxelsim::reference {
 
 // Features of one row, as in ContactFeatureView, and the quantities they follow from, for tests.
 struct ContactFeatures : Features {
-  double windowed_edge_angle = 0;       // rad in (-pi/2, pi/2]; 0 where undefined
-  double windowed_edge_confidence = 0;  // 0 to 1
-  double ridge_edge_angle = 0;          // rad in (-pi/2, pi/2]; 0 where undefined
-  double ridge_edge_confidence = 0;     // 0 to 1
-  std::array<double, 2> tilt{0, 0};     // rad, about x and y of the plane; 0 where undefined
-  double tilt_confidence = 0;           // 0 to 1
-  ContactType contact_type = ContactType::kNone;
-  int patch = -1;  // whose plane the features are in; -1: the xy plane of S
+  TAXELSIM_CONTACT_FEATURES(TAXELSIM_VALUE)
 
   double window_share = 1;                     // smallest fraction of the force under the window in any round
   double window_growth = 1;                    // bound on |d(final centre)/d(initial centre)| of the window

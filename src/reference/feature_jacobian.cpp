@@ -35,19 +35,18 @@ FeatureJacobian featureJacobian(const JacobianRow& row, const JacobianImage& ima
     force += image.force[row.taxels[n]];
     center = add(center, scale(image.force[row.taxels[n]], row.positions[n]));
   }
-  result.total_force = force;
+  result.features.total_force = force;
   if (force <= 1e-20) return result;
   center = scale(1 / force, center);
-  result.center = row.X_SC * center;
+  result.features.center_of_pressure = row.X_SC * center;
   double xx = 0, xy = 0, yy = 0;
   for (std::size_t n = 0; n < row.taxels.size(); ++n) {
     const Vector3 p = subtract(row.positions[n], center);
     const double share = image.force[row.taxels[n]] / force;
     xx += share * p[0] * p[0], xy += share * p[0] * p[1], yy += share * p[1] * p[1];
   }
-  Features axes;
-  setPrincipalAxes({xx, xy, yy}, axes);
-  result.edge_confidence = axes.edge_confidence;
+  setPrincipalAxes({xx, xy, yy}, result.features);
+  const auto [larger, smaller] = result.features.eigenvalues;
   result.trace = xx + yy;
   for (std::size_t k = 0; k < 6; ++k) {
     double d_force = 0, d_xx = 0, d_xy = 0, d_yy = 0;  // of the sums of F, F x^2, F x y, F y^2
@@ -65,7 +64,7 @@ FeatureJacobian featureJacobian(const JacobianRow& row, const JacobianImage& ima
     for (std::size_t axis = 0; axis < 3; ++axis) result.center_of_pressure[axis][k] = d_center_S[axis];
     const double difference = xx - yy, square = difference * difference + 4 * xy * xy;
     const double d_difference = (d_xx - d_yy - difference * d_force) / force, d_cross = (d_xy - xy * d_force) / force;
-    if (axes.eigenvalues[0] - axes.eigenvalues[1] > 1e-12) {
+    if (larger - smaller > 1e-12) {
       result.edge_angle[k] = (difference * d_cross - xy * d_difference) / square;
     }
   }

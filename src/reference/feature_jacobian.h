@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "reference/features.h"
 #include "reference/frame.h"
 
 namespace taxelsim::reference {
@@ -19,10 +20,8 @@ using ByTwist = std::array<double, 6>;
 
 // Jacobian of one row: the whole sensor, or one patch. Zero where the feature is undefined.
 struct FeatureJacobian {
-  double total_force = 0;      // N, of the row's image
-  Vector3 center{0, 0, 0};     // m, in S: centre of pressure
-  double edge_confidence = 0;  // 0 to 1
-  double trace = 0;            // m^2: trace of the second moments
+  Features features;  // of the row's image; without peak_force and contact_area
+  double trace = 0;   // m^2: trace of the second moments
   std::array<ByTwist, 3> center_of_pressure{};
   ByTwist total_force_by_twist{};
   ByTwist edge_angle{};

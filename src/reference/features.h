@@ -5,25 +5,34 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
+#include <type_traits>
 #include <vector>
 
+#include "taxelsim/feature_table.h"
 #include "taxelsim/sensor.h"
 
 namespace taxelsim::reference {
 
-struct Features {
-  double total_force = 0;                         // N
-  double peak_force = 0;                          // N
-  Vector3 center_of_pressure{0, 0, 0};            // m, in S; 0 without force
-  std::array<double, 3> second_moments{0, 0, 0};  // m^2: xx, xy, yy about the centre of pressure; in the plane of the patch, or in the xy
-                                                  // plane of S for several patches
-  std::array<double, 2> eigenvalues{0, 0};        // m^2, of the second moments, larger first
-  double edge_angle = 0;                          // rad in (-pi/2, pi/2]; 0 where undefined
-  double edge_confidence = 0;                     // 0 to 1
-  double contact_area = 0;                        // m^2
+// Double precision, or the type of a feature that is none; an array where it has several components.
+template <typename T, std::size_t kWidth>
+struct FeatureValue {
+  using Element = std::conditional_t<std::is_same_v<T, float>, double, T>;
+  using type = std::conditional_t<kWidth == 1, Element, std::array<Element, kWidth>>;
 };
+#define TAXELSIM_VALUE(constant, name, offset, width, type_, ...) FeatureValue<type_, width>::type name{};
+
+// Features of one image, taxelsim/feature_table.h.
+struct Features {
+  TAXELSIM_IMAGE_FEATURES(TAXELSIM_VALUE)
+};
+
+// Whether the edge angle is defined.
+inline bool hasEdge(const Features& features) {
+  return features.eigenvalues[0] > features.eigenvalues[1];
+}
 
 struct TaxelPlace {
   Vector3 position_S;              // m

@@ -15,7 +15,7 @@ namespace taxelsim {
 
 // The first of the outputs that needs derivatives of forces, or the end of kOutputs.
 inline auto derivativeIn(const OutputOptions& outputs) {
-  return std::find_if(kOutputs.begin(), kOutputs.end(),
+  return std::find_if(std::begin(kOutputs), std::end(kOutputs),
                       [&](const OutputEntry& entry) { return entry.is_derivative && outputs.*entry.member; });
 }
 
@@ -30,7 +30,7 @@ struct BatchShape {
   bool hasLayer() const { return model.layer.has_value() && !takesContacts(); }
   bool outputsShear() const { return hasFriction() && (options.outputs.tactile_shear_force || options.outputs.taxel_counts); }
   bool outputsContactFeatures() const { return options.outputs.contact_features || options.outputs.clean_contact_features; }
-  bool outputsJacobian() const { return derivativeIn(options.outputs) != kOutputs.end(); }
+  bool outputsJacobian() const { return derivativeIn(options.outputs) != std::end(kOutputs); }
 };
 
 // After what the host reads an array.

@@ -57,7 +57,7 @@ void checkRegions(const SimulatorOptions& options) {
 
 void checkJacobian(const SimulatorOptions& options) {
   const auto* const wanted = derivativeIn(options.outputs);
-  if (wanted == kOutputs.end()) return;
+  if (wanted == std::end(kOutputs)) return;
   const auto refuse = [&](const char* why) {
     throw Error(ErrorKind::kInput, std::string("outputs.") + wanted->name + ": true is not allowed " + why);
   };

@@ -8,16 +8,16 @@
 namespace taxelsim {
 namespace {
 
-#define TAXELSIM_FIELD(view, name, offset, width, unit, frame, recorded, text) \
-  FeatureField<view> {                                                         \
-#name, offset, width, unit, frame, recorded, text, &view::name             \
+#define TAXELSIM_FIELD(view, constant, name, offset, width, type, unit, frame, recorded, text) \
+  FeatureField<view> {                                                                         \
+#name, layout::constant, width, unit, frame, recorded, text, &view::name                   \
   }
-#define TAXELSIM_FEATURE(constant, ...) TAXELSIM_FIELD(FeatureView, __VA_ARGS__),
-#define TAXELSIM_READOUT(constant, ...) TAXELSIM_FIELD(FrameView, __VA_ARGS__),
-#define TAXELSIM_TRUTH(constant, ...) TAXELSIM_FIELD(GroundTruthView, __VA_ARGS__),
-#define TAXELSIM_CONTACT(constant, ...) TAXELSIM_FIELD(ContactFeatureView, __VA_ARGS__),
-#define TAXELSIM_JACOBIAN(constant, ...) TAXELSIM_FIELD(TactileJacobianView, __VA_ARGS__),
-#define TAXELSIM_WRENCH(constant, ...) TAXELSIM_FIELD(CleanTactileJacobianView, __VA_ARGS__),
+#define TAXELSIM_FEATURE(...) TAXELSIM_FIELD(FeatureView, __VA_ARGS__),
+#define TAXELSIM_READOUT(...) TAXELSIM_FIELD(FrameView, __VA_ARGS__),
+#define TAXELSIM_TRUTH(...) TAXELSIM_FIELD(GroundTruthView, __VA_ARGS__),
+#define TAXELSIM_CONTACT(...) TAXELSIM_FIELD(ContactFeatureView, __VA_ARGS__),
+#define TAXELSIM_JACOBIAN(...) TAXELSIM_FIELD(TactileJacobianView, __VA_ARGS__),
+#define TAXELSIM_WRENCH(...) TAXELSIM_FIELD(CleanTactileJacobianView, __VA_ARGS__),
 
 constexpr std::array kImageFeatures{TAXELSIM_IMAGE_FEATURES(TAXELSIM_FEATURE)};
 constexpr std::array kReadoutFeatures{TAXELSIM_READOUT_FEATURES(TAXELSIM_READOUT)};
@@ -38,28 +38,10 @@ constexpr bool fills(const Table& table, std::size_t start, std::size_t end) {
 }
 
 static_assert(fills(kImageFeatures, 0, layout::kNumImageFeatures));
-static_assert(fills(kReadoutFeatures, 2 * layout::kNumImageFeatures, layout::kFeatureContactWrench));
-static_assert(fills(kTruthFeatures, layout::kFeatureContactWrench, layout::kNumFeatures));
+static_assert(fills(kReadoutFeatures, layout::kFirstReadoutFeature, layout::kFirstTruthFeature));
+static_assert(fills(kTruthFeatures, layout::kFirstTruthFeature, layout::kNumFeatures));
 static_assert(fills(kContactFeatures, layout::kNumImageFeatures, layout::kNumContactFeatures));
-static_assert(fills(kRegionFeatures, layout::kNumContactFeatures, layout::kNumContactFeatures + 1));
 static_assert(fills(kJacobianFeatures, 0, layout::kNumJacobian));
-static_assert(fills(kWrenchJacobian, layout::kNumJacobian, layout::kNumJacobian + layout::kNumWrenchJacobian));
-
-// A view has no field of features that the tables lack. The sizes: the spans of the tables, then whatever else the view has.
-constexpr std::size_t spans(std::size_t count) {
-  return count * sizeof(std::span<const float>);
-}
-struct RowCounts {
-  int num_rows, num_patches;
-};
-static_assert(sizeof(FeatureView) == spans(kImageFeatures.size()));
-static_assert(sizeof(ContactFeatureView) ==
-              sizeof(FeatureView) + sizeof(RowCounts) + spans(kContactFeatures.size() + kRegionFeatures.size()));
-static_assert(sizeof(TactileJacobianView) == sizeof(RowCounts) + spans(kJacobianFeatures.size()));
-static_assert(sizeof(CleanTactileJacobianView) == sizeof(TactileJacobianView) + spans(kWrenchJacobian.size()));
-constexpr std::size_t kTaxelArrays = 4;  // tactile_normal_force, tactile_shear_force, penetration_depth, taxel_jacobian
-static_assert(sizeof(GroundTruthView) == sizeof(FeatureView) + spans(kTaxelArrays + kTruthFeatures.size()) + sizeof(ContactFeatureView) +
-                                             sizeof(CleanTactileJacobianView));
 
 }  // namespace
 

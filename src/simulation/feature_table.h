@@ -1,4 +1,4 @@
-// The features of a frame at run time, from the tables of shaders/shared/features.h: for data-set columns, JSON, text and documentation.
+// The features of a frame at run time, from the tables of taxelsim/feature_table.h: for data-set columns, JSON, text and documentation.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@ template <typename View>
 using FeatureMember = std::variant<std::span<const float> View::*, std::span<const std::int32_t> View::*, std::span<const bool> View::*,
                                    std::span<const ContactType> View::*>;
 
-// One row of a table; shaders/shared/features.h says what the entries mean.
+// One row of a table; taxelsim/feature_table.h says what the entries mean.
 template <typename View>
 struct FeatureField {
   std::string_view name;

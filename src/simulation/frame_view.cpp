@@ -75,11 +75,12 @@ Blocks fillJacobian(const ModelData& model, const SimulatorOptions& options, std
 void fillTaxels(const OutputOptions& outputs, const BatchBuffers& buffers, std::size_t num_taxels, FrameView& frame) {
   GroundTruthView& truth = frame.ground_truth;
   frame.tactile_image = buffers.output<block::Image>().first(num_taxels);
-  if (outputs.taxel_counts) frame.taxel_counts = buffers.output<block::TaxelCounts>().first(3 * num_taxels);
-  if (outputs.tactile_normal_force) truth.tactile_normal_force = buffers.output<block::SpreadNormal>().first(num_taxels);
-  if (outputs.tactile_shear_force) truth.tactile_shear_force = buffers.output<block::SpreadShear>().first(2 * num_taxels);
-  if (outputs.taxel_jacobian) truth.taxel_jacobian = buffers.output<block::SpreadJacobian>().first(6 * num_taxels);
-  if (outputs.penetration_depth) truth.penetration_depth = buffers.output<block::ContactDepth>().first(num_taxels);
+#define TAXELSIM_FILL(view, name, block_, components) \
+  if (outputs.name) view.name = buffers.output<block::block_>().first(components * num_taxels);
+#define TAXELSIM_FILL_TRUE(name, block_, type, leading, components, ...) TAXELSIM_FILL(truth, name, block_, leading* components)
+#define TAXELSIM_FILL_MEASURED(name, block_, type, leading, components, ...) TAXELSIM_FILL(frame, name, block_, leading* components)
+  TAXELSIM_TRUE_TAXELS(TAXELSIM_FILL_TRUE)
+  TAXELSIM_MEASURED_TAXELS(TAXELSIM_FILL_MEASURED)
 }
 
 }  // namespace

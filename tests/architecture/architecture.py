@@ -31,6 +31,9 @@ HEADERS = {
     "contact_misses.h": None,
     "contact_point.h": None,
     "contact_type.h": None,
+    "features.h": None,
+    "feature_table.h": None,
+    "output_table.h": None,
     "task.h": None,
     "progress.h": None,
     "log.h": None,
@@ -93,6 +96,9 @@ MAX_TEST_LINES = 62400
 MAX_CONTACT_INCLUDES = 60
 MAX_CONTACT_CONSTANTS = 41
 MAX_MODULES = 44
+# A feature, and the most files that may name it: its table, its document, and what computes or shows it.
+FEATURE = "edge_confidence"
+MAX_FEATURE_FILES = 8
 # Names of drivers, for shaders/driver only.
 DRIVER = re.compile(r"mesa|lavapipe|swiftshader|software driver|lockstep", re.IGNORECASE)
 LONG_FILE = "Long file:"
@@ -317,6 +323,10 @@ def check_sizes(root):
         count = sum(len(lines_of(path)) for path in files)
         if count > most:
             faults.append(f"lines of the {what}: {count}, at most {most}")
+    product = {path for pattern in (*PRODUCT, "docs/**/*.md") for path in root.glob(pattern) if path.suffix in MEASURED_SUFFIXES | {".md"}}
+    naming = sorted(str(path.relative_to(root)) for path in product if FEATURE in path.read_text(encoding="utf-8"))
+    if len(naming) > MAX_FEATURE_FILES:
+        faults.append(f"{FEATURE} stands in {len(naming)} files, at most {MAX_FEATURE_FILES}: {', '.join(naming)}")
     return faults
 
 

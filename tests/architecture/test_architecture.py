@@ -91,6 +91,9 @@ class ArchitectureTest(unittest.TestCase):
     def test_machine_path(self):
         self.assert_one({"src/base/a.h": HEADER + "// see " + "/ho" + "me/somebody/notes\n"}, "a path of one machine")
 
+    def test_a_name_in_too_many_files(self):
+        self.assert_one({f"src/base/{name}.cpp": "int edge_confidence;\n" for name in "abcdefghi"}, "edge_confidence stands in 9 files")
+
     def test_long_file(self):
         self.assert_one({"src/base/a.cpp": "int a;\n" * 401}, "src/base/a.cpp: 401 lines")
         self.assertEqual(self.faults({"src/base/a.cpp": "// Long file: one table.\n" + "int a;\n" * 401}), [])

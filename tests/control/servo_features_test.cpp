@@ -32,22 +32,17 @@ struct FeatureRows {
         tilt(2 * num_rows, 0) {}
 
   ServoInput input() const {
-    return {.num_rows = static_cast<int>(angle.size()),
-            .region_row = static_cast<int>(angle.size()) - 1,
-            .edge_angle = angle,
-            .edge_confidence = confidence,
-            .total_force = force,
-            .center_of_pressure = center,
-            .contact_area = area,
-            .windowed_edge_angle = window,
-            .windowed_edge_confidence = window_confidence,
-            .ridge_edge_angle = ridge,
-            .ridge_edge_confidence = ridge_confidence,
-            .tilt = tilt,
-            .tilt_confidence = tilt_confidence,
-            .exact_edge_angle = {&exact, 1},
-            .start_force = {&start_force, 1},
-            .due = {&kDue, 1}};
+    ServoInput input = inputOf(angle, confidence, force, center, area, {&start_force, 1}, {&kDue, 1});
+    input.num_rows = static_cast<int>(angle.size());
+    input.region_row = input.num_rows - 1;
+    input.exact_edge_angle = {&exact, 1};
+    input.features.windowed_edge_angle = window;
+    input.features.windowed_edge_confidence = window_confidence;
+    input.features.ridge_edge_angle = ridge;
+    input.features.ridge_edge_confidence = ridge_confidence;
+    input.features.tilt = tilt;
+    input.features.tilt_confidence = tilt_confidence;
+    return input;
   }
 
   std::vector<float> angle, confidence, force, area, window, window_confidence, ridge, ridge_confidence, tilt_confidence, center, tilt;
@@ -217,9 +212,9 @@ TEST(ServoFeatures, MeasuredJacobianOfAPointContactGivesTheNominalTwist) {
       servo.jacobian = TactileJacobianSource::kMeasured;
       TactileServoController controller(servo, gridSensor(), 1);
       ServoInput input = rows.input();
-      input.center_jacobian = center;
-      input.force_jacobian = force;
-      input.edge_angle_jacobian = angle;
+      input.jacobian.center_of_pressure = center;
+      input.jacobian.total_force = force;
+      input.jacobian.edge_angle = angle;
       Twist twist;
       controller.command(input, kPeriod, {&twist, 1});
       // center_across does not constrain translation along the edge; there the minimum-norm solution is 0, unlike the nominal one.
@@ -268,9 +263,9 @@ TEST(ServoFeatures, ReadsTheRowsOfItsSensor) {
     ServoInput input = rows.input();
     input.num_jacobian_rows = row + 1;
     input.jacobian_row = row;
-    input.center_jacobian = std::span(center).subspan(row == 0 ? 18 : 0);
-    input.force_jacobian = std::span(force).subspan(row == 0 ? 6 : 0);
-    input.edge_angle_jacobian = std::span(angle).subspan(row == 0 ? 6 : 0);
+    input.jacobian.center_of_pressure = std::span(center).subspan(row == 0 ? 18 : 0);
+    input.jacobian.total_force = std::span(force).subspan(row == 0 ? 6 : 0);
+    input.jacobian.edge_angle = std::span(angle).subspan(row == 0 ? 6 : 0);
     TactileServoController controller(servo, gridSensor(), 1);
     controller.command(input, kPeriod, {row == 0 ? &expected : &found, 1});
   }
@@ -289,8 +284,8 @@ TEST(ServoFeatures, ZeroJacobianGivesZeroTwist) {
   rows.start_force = 3;
   const std::array<float, 18> zeros{};
   ServoInput input = rows.input();
-  input.center_jacobian = zeros;
-  input.force_jacobian = input.edge_angle_jacobian = std::span(zeros).first<6>();
+  input.jacobian.center_of_pressure = zeros;
+  input.jacobian.total_force = input.jacobian.edge_angle = std::span(zeros).first<6>();
   Twist twist;
   controller.command(input, kPeriod, {&twist, 1});
   EXPECT_EQ(twist, Twist{});

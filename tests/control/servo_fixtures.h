@@ -33,27 +33,21 @@ struct Features {
 
 inline constexpr double kPeriod = 0.01;  // s
 
-inline ServoInput inputOf(const Features& f) {
-  static constexpr std::uint8_t kDue = 1;
-  return {.edge_angle = {&f.angle, 1},
-          .edge_confidence = {&f.confidence, 1},
-          .total_force = {&f.force, 1},
-          .center_of_pressure = f.center,
-          .contact_area = {&f.area, 1},
-          .start_force = {&f.target, 1},
-          .due = {&kDue, 1}};
-}
-
 inline ServoInput inputOf(std::span<const float> angle, std::span<const float> confidence, std::span<const float> force,
                           std::span<const float> center, std::span<const float> area, std::span<const float> target,
                           std::span<const std::uint8_t> due) {
-  return {.edge_angle = angle,
-          .edge_confidence = confidence,
-          .total_force = force,
-          .center_of_pressure = center,
-          .contact_area = area,
-          .start_force = target,
-          .due = due};
+  ServoInput input{.start_force = target, .due = due};
+  input.features.edge_angle = angle;
+  input.features.edge_confidence = confidence;
+  input.features.total_force = force;
+  input.features.center_of_pressure = center;
+  input.features.contact_area = area;
+  return input;
+}
+
+inline ServoInput inputOf(const Features& f) {
+  static constexpr std::uint8_t kDue = 1;
+  return inputOf({&f.angle, 1}, {&f.confidence, 1}, {&f.force, 1}, f.center, {&f.area, 1}, {&f.target, 1}, {&kDue, 1});
 }
 
 inline Twist commandOne(TactileServoController& controller, const Features& f) {

@@ -5,24 +5,16 @@
 #include <cmath>
 #include <numbers>
 
-#include "control/tactile_servo.h"
 #include "control/twist.h"
+#include "servo_fixtures.h"
 
 namespace taxelsim {
 namespace {
 
 constexpr int kNumRows = 6, kNumCols = 14, kSamples = 8;
-constexpr double kPitch = 3.4e-3;      // m
-constexpr double kStiffness = 1.73e8;  // N/m^3
-constexpr double kThickness = 2e-3;    // m
-constexpr double kRadius = 8e-3;       // m
-constexpr double kTrigger = 0.02;      // N
-constexpr double kPeriod = 0.01;       // s
-
-struct Features {
-  float angle = 0, confidence = 0, force = 0, area = 0;
-  std::array<float, 3> center{};
-};
+constexpr double kThickness = 2e-3;  // m
+constexpr double kRadius = 8e-3;     // m
+constexpr double kTrigger = 0.02;    // N
 
 // Features of a long cylinder along z of O, for poses X_SO with its axis parallel to the skin.
 Features featuresOf(const Pose& X_SO) {
@@ -48,7 +40,7 @@ Features featuresOf(const Pose& X_SO) {
       area += kPitch * kPitch;
     }
   }
-  if (sum == 0) return {};
+  if (sum == 0) return {.confidence = 0, .force = 0, .area = 0};
   x /= sum, y /= sum;
   xx = xx / sum - x * x, xy = xy / sum - x * y, yy = yy / sum - y * y;
   return {.angle = static_cast<float>(0.5 * std::atan2(2 * xy, xx - yy)),
@@ -78,15 +70,9 @@ LoopEnd runLoop(const TactileServo& servo, double start_angle, double start_dept
     end.features = featuresOf(end.X_SO);
     const Features& f = end.features;
     Twist twist;
-    const std::uint8_t due = 1;
-    controller.command({.edge_angle = {&f.angle, 1},
-                        .edge_confidence = {&f.confidence, 1},
-                        .total_force = {&f.force, 1},
-                        .center_of_pressure = f.center,
-                        .contact_area = {&f.area, 1},
-                        .start_force = {&target_force, 1},
-                        .due = {&due, 1}},
-                       kPeriod, {&twist, 1});
+    ServoInput input = inputOf(f);
+    input.start_force = {&target_force, 1};
+    controller.command(input, kPeriod, {&twist, 1});
     X_WS = integrate(X_WS, twist, kPeriod);
   }
   return end;

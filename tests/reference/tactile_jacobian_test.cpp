@@ -163,7 +163,8 @@ support::FeatureChanges changesOf(const FeatureJacobian& row) {
 
 support::JacobianScale scaleOf(const FeatureJacobian& row, bool several_contacts = false) {
   const double size = std::sqrt(row.trace);
-  return {size, length(row.center), row.edge_confidence, several_contacts ? size : 0, row.total_force};
+  return {size, length(row.features.center_of_pressure), row.features.edge_confidence, several_contacts ? size : 0,
+          row.features.total_force};
 }
 
 // At 4 x 4 and 8 x 8 samples.

@@ -79,9 +79,10 @@ std::vector<double> errorsOf(const std::vector<Block>& found, const std::vector<
 // Typical sizes of the blocks: sliding moves the centre by the same distance, pressing enlarges the contact by the relative growth of the
 // force, rotation combines both at half the array.
 std::vector<double> floorsFor(const reference::FeatureJacobian& row) {
-  const double size = std::sqrt(row.trace), stiffness = std::abs(row.total_force_by_twist[2]), growth = stiffness / row.total_force;
-  const std::vector<double> slide{1, stiffness, 1 / size / row.edge_confidence, stiffness, stiffness * size};
-  const std::vector<double> press{size * growth, stiffness, growth / row.edge_confidence, stiffness, stiffness * size};
+  const double size = std::sqrt(row.trace), stiffness = std::abs(row.total_force_by_twist[2]),
+               growth = stiffness / row.features.total_force;
+  const std::vector<double> slide{1, stiffness, 1 / size / row.features.edge_confidence, stiffness, stiffness * size};
+  const std::vector<double> press{size * growth, stiffness, growth / row.features.edge_confidence, stiffness, stiffness * size};
   std::vector<double> floors = slide;
   floors.insert(floors.end(), press.begin(), press.end());
   for (std::size_t b = 0; b < press.size(); ++b) floors.push_back(std::max(slide[b], press[b]) * size);

@@ -140,14 +140,14 @@ void expectRow(const std::vector<double>& found, const Corners& twin, const Sens
   for (std::size_t block = 0; block < 5; ++block) {
     for (const double size : by_twist) {
       double value = 2 * gain * size;
-      const double difference = row.edge_confidence * row.trace;
-      if (block < 3) value *= extent / row.total_force;
-      if (block == 4) value *= difference > 1e-12 ? extent * extent / (row.total_force * difference) : 0;
-      gross.push_back(row.total_force > 0 ? value : 0);
+      const double difference = row.features.edge_confidence * row.trace;
+      if (block < 3) value *= extent / row.features.total_force;
+      if (block == 4) value *= difference > 1e-12 ? extent * extent / (row.features.total_force * difference) : 0;
+      gross.push_back(row.features.total_force > 0 ? value : 0);
     }
   }
   // Too little force, on one taxel or at its trigger, for meaningful moments.
-  if (row.total_force < 1e-5) return;
+  if (row.features.total_force < 1e-5) return;
   expectNear(
       found, twin, gross, [&](const TactileJacobian& of) { return flat(pick(of)); }, what);
 }

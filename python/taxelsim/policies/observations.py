@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 from .._arguments import checked_count, checked_names
 from .._core import OutputOptions, Sensor
 from .._counts import IMAGE_UNITS
+from .._features import IMAGE_FEATURES
 from ..environment import NO_OUTPUTS, EnvironmentFrame, EnvironmentLayout
 from ..errors import InputError
 
@@ -40,16 +41,7 @@ OBSERVATIONS = ("contact", "tactile_image", "taxel_counts", "features", "proprio
 SCALES = {"m": 0.01, "N": 1.0, "m^2": 1e-4, "rad": 1.0, "1": 1.0}
 """Divisors of normalised observations, by unit."""
 
-FEATURES = (
-    ("total_force", 1, "N"),
-    ("peak_force", 1, "N"),
-    ("center_of_pressure", 3, "m"),
-    ("second_moments", 3, "m^2"),
-    ("eigenvalues", 2, "m^2"),
-    ("edge_angle", 1, "rad"),
-    ("edge_confidence", 1, "1"),
-    ("contact_area", 1, "m^2"),
-)
+FEATURES = IMAGE_FEATURES
 """Fields of the observation `features`: name, number of values, unit."""
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core import Scene
+from .._features import IMAGE_FEATURES
 from ..dataset import Dataset
 from ..dataset.provenance import Provenance
 from ..errors import InputError
@@ -27,16 +28,13 @@ VARIABLE_BINS = 10  # of gaps in the coverage of a random variable
 QUANTILES = (0, 5, 50, 95, 100)  # percent
 EXAMPLE_LEVELS = (10, 50, 90)  # percentiles of force that examples of an object show
 
+_GROUPS = {"N": "force", "rad": "angle", "1": "angle", "m": "position", "m^2": "position"}
+_MOMENTS = ("second_moments", "eigenvalues")
 _DISTRIBUTIONS = (
-    ("data/total_force", "force"),
+    *((f"data/{name}", _GROUPS[unit]) for name, _, unit in IMAGE_FEATURES if name not in _MOMENTS),
     ("data/ground_truth/total_force", "force"),
-    ("data/peak_force", "force"),
-    ("data/edge_angle", "angle"),
     ("data/ground_truth/edge_angle", "angle"),
     ("data/ground_truth/exact_edge_angle", "angle"),
-    ("data/edge_confidence", "angle"),
-    ("data/center_of_pressure", "position"),
-    ("data/contact_area", "position"),
     ("data/saturated", "saturation"),
 )
 _AXES = ("x", "y", "z")
