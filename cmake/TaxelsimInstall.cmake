@@ -5,10 +5,9 @@ set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/taxelsim)
 # Programs find the library beside themselves, wherever the prefix is moved to.
 file(RELATIVE_PATH bin_to_lib /${CMAKE_INSTALL_BINDIR} /${CMAKE_INSTALL_LIBDIR})
 
-install(TARGETS taxelsim taxelsim_characterize EXPORT taxelsimTargets
+install(TARGETS taxelsim EXPORT taxelsimTargets
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-set_target_properties(taxelsim_characterize PROPERTIES INSTALL_RPATH "$ORIGIN")
 if(TARGET taxelsim_cli)
   set_target_properties(taxelsim_cli PROPERTIES INSTALL_RPATH "$ORIGIN/${bin_to_lib}")
   install(TARGETS taxelsim_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})

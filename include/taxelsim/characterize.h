@@ -1,5 +1,5 @@
 /// @file
-/// Fits the parameters of a sensor model to bench measurements (paper, section III). Part of the library libtaxelsim_characterize.
+/// Fits the parameters of a sensor model to bench measurements (paper, section III).
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,6 @@
 /// @file
-/// Metrics between a simulated and a real tactile image of the same array (paper, figures 8 and 9). Part of the library
-/// libtaxelsim_characterize. Images are compared without registration: neither is shifted or scaled first.
+/// Metrics between a simulated and a real tactile image of the same array (paper, figures 8 and 9). Images are
+/// compared without registration: neither is shifted or scaled first.
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,6 @@
 /// @file
 /// Cross-validation of characterize(): errors of a fitted sensor on measurements that are not part of the fit, and errors of baselines
-/// without a sensor model on the same measurements. Part of the library libtaxelsim_characterize.
+/// without a sensor model on the same measurements.
 #pragma once
 
 #include <span>

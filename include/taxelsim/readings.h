@@ -1,6 +1,6 @@
 /// @file
-/// Converts recorded counts back to newtons: inverts the readout, the creep and the point spread function of sensor.h, in this order. Part
-/// of the library libtaxelsim_characterize. Hysteresis, low-pass, delay and random imperfections are not inverted.
+/// Converts recorded counts back to newtons: inverts the readout, the creep and the point spread function of sensor.h, in this order.
+/// Hysteresis, low-pass, delay and random imperfections are not inverted.
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,5 @@
 /// @file
-/// All of libtaxelsim in one include. The headers of libtaxelsim_characterize (characterize.h, compare.h, readings.h) are not part of it,
-/// since they need that second library.
+/// All of libtaxelsim in one include.
 #pragma once
 
 /// Batched simulation of tactile sensing arrays on Vulkan devices.
@@ -20,11 +19,14 @@
 /// - fork(): not while a Device is open.
 namespace taxelsim {}
 
+#include "taxelsim/characterize.h"
+#include "taxelsim/compare.h"
 #include "taxelsim/contact_misses.h"
 #include "taxelsim/contact_point.h"
 #include "taxelsim/contact_recording.h"
 #include "taxelsim/contact_type.h"
 #include "taxelsim/control.h"
+#include "taxelsim/cross_validate.h"
 #include "taxelsim/dataset.h"
 #include "taxelsim/device.h"
 #include "taxelsim/environment.h"
@@ -41,6 +43,7 @@ namespace taxelsim {}
 #include "taxelsim/policy.h"
 #include "taxelsim/pose.h"
 #include "taxelsim/progress.h"
+#include "taxelsim/readings.h"
 #include "taxelsim/robot.h"
 #include "taxelsim/scene.h"
 #include "taxelsim/sensor.h"

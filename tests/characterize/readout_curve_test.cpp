@@ -203,13 +203,13 @@ TEST(ReadoutFit, RefusesACurveThatFallsWithinTheMeasuredForces) {
     ForceCurve curve;
     curve.curve_degree = 5;
     double play = 0;
-    for (int k = 0; k < 600; ++k) {
-      const double force = 4 * (1 - std::cos(2 * std::numbers::pi * k / 200));
+    for (int k = 0; k < 150; ++k) {
+      const double force = 4 * (1 - std::cos(2 * std::numbers::pi * k / 50));
       play = std::clamp(play, force - 0.3, force + 0.3);
-      const double y = std::max(0.0, 0.6 * force + 0.4 * play - 0.2 + 0.3 * k / 600);
+      const double y = std::max(0.0, 0.6 * force + 0.4 * play - 0.2 + k / 150.0);
       curve.taxel.push_back(0);
       curve.force.push_back(force);
-      curve.counts.push_back(reading({1, 0}, 4000 * y / (1 + y), 20, 8191, random));
+      curve.counts.push_back(reading({1, 0}, 4000 * y / (1 + y), 150, 8191, random));
     }
     try {
       const Readout readout = characterize(std::vector{measurementOf("curve", sensor, curve)}).sensor.readout;
