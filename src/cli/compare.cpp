@@ -244,7 +244,7 @@ std::string titleOf(const char* side, const ImageSource& source, std::size_t row
   return title;
 }
 
-void drawFigure(const std::string& file, const ImageSource& real, const ImageSource& simulated, const std::vector<Pair>& pairs) {
+void drawComparison(const std::string& file, const ImageSource& real, const ImageSource& simulated, const std::vector<Pair>& pairs) {
   std::vector<ShownPair> shown;
   const std::size_t count = std::min(pairs.size(), kMaxShownPairs);
   for (std::size_t k = 0; k < count; ++k) {
@@ -283,7 +283,7 @@ int runCompare(const CompareArguments& arguments) {
     printTable(real, simulated, pairs);
   }
   if (arguments.picture.empty()) return kExitOk;
-  drawFigure(arguments.picture, real, simulated, pairs);
+  drawComparison(arguments.picture, real, simulated, pairs);
   spdlog::info("wrote {}", arguments.picture);
   return kExitOk;
 }

@@ -23,7 +23,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::array<const char*, 4> kRobotBits = {"joint_limit", "velocity_limit", "singular", "lost"};
 
-std::string numberText(TaskMeasure measure, double value) {
+std::string measureText(TaskMeasure measure, double value) {
   const auto& [unit, per_si] = kTaskMeasureUnits[static_cast<std::size_t>(measure)];
   return fmt::format("{:.4g} {}", value * per_si, unit);
 }
@@ -31,12 +31,12 @@ std::string numberText(TaskMeasure measure, double value) {
 // "edge_angle within 5 deg of 90 deg"
 std::string criterionText(TaskMeasure measure, const TaskCriterion& criterion) {
   const std::string text =
-      fmt::format("{} within {}", kTaskMeasureNames[static_cast<std::size_t>(measure)], numberText(measure, criterion.tolerance));
+      fmt::format("{} within {}", kTaskMeasureNames[static_cast<std::size_t>(measure)], measureText(measure, criterion.tolerance));
   switch (measure) {
     case TaskMeasure::kEdgeAngle:
-      return text + " of " + numberText(measure, criterion.reference.value_or(0));
+      return text + " of " + measureText(measure, criterion.reference.value_or(0));
     case TaskMeasure::kTotalForce:
-      return text + " of " + (criterion.reference ? numberText(measure, *criterion.reference) : "the force at the start");
+      return text + " of " + (criterion.reference ? measureText(measure, *criterion.reference) : "the force at the start");
     case TaskMeasure::kCenter:
       return text + " of the middle of the array";
     case TaskMeasure::kContour:

@@ -118,7 +118,7 @@ FrameView pressAndSlide(Simulator& simulator, std::span<const int> ids, std::vec
   simulator.step(step);
   FrameView frame = simulator.read();
   for (int k = 0; k < kSlideSteps && slide != Vector3{0, 0, 0}; ++k) {
-    for (Pose& pose : X_SO) pose.position = add(pose.position, scale(1.0 / kSlideSteps, slide));
+    for (Pose& pose : X_SO) pose.position = taxelsim::add(pose.position, scale(1.0 / kSlideSteps, slide));
     simulator.setObjects(ids, X_SO);
     simulator.step(step);
     frame = simulator.read();

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "dataset/column.h"
+
 namespace taxelsim::cli {
 namespace {
 
@@ -9,16 +11,10 @@ namespace {
 constexpr std::uint64_t kMaxShards = 16;
 constexpr double kMaxBytes = 256 << 20;
 
-double rowBytes(const Column& column) {
-  double bytes = static_cast<double>(scalarSize(column));
-  for (const std::size_t length : column.shape) bytes *= static_cast<double>(length);
-  return bytes;
-}
-
 double numBytes(const DatasetReader& reader) {
   double bytes = 0;
   for (const Column& column : reader.manifest().columns)
-    bytes += rowBytes(column) * static_cast<double>(column.per_episode ? reader.numEpisodes() : reader.numFrames());
+    bytes += static_cast<double>(rowBytes(column)) * static_cast<double>(column.per_episode ? reader.numEpisodes() : reader.numFrames());
   return bytes;
 }
 

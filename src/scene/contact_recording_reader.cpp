@@ -26,7 +26,7 @@ constexpr std::size_t kMaxRecordedPoints = 10'000'000;
 constexpr const char* kFile = "a CSV file of contact points";
 constexpr const char* kPosesFile = "a CSV file of poses of the sensor";
 
-enum Column : std::size_t { kEpisode, kStep, kX, kNormalForce = 5, kForce = 5 };
+enum Column : std::size_t { kEpisode, kStep, kX, kNormalForce = 5, kForceX = 5 };
 
 constexpr CsvColumn coordinate(std::string_view name) {
   return {name, -kMaxContactCoordinate, kMaxContactCoordinate, "m"};
@@ -75,7 +75,7 @@ std::vector<CsvColumn> columnsOf(const CsvReader& reader, const Format& format) 
         1, "missing heading: the first line must be episode,step,x_m,y_m,z_m,normal_force_N or episode,step,x_m,y_m,z_m,fx_N,fy_N,fz_N");
   }
   if (!format.takes_vectors) {
-    reader.fail(reader.fields()[kForce].column,
+    reader.fail(reader.fields()[kForceX].column,
                 "fx_N,fy_N,fz_N are not allowed for a sensor whose taxels have different normals: normal_force_N");
   }
   return columns;
@@ -91,7 +91,8 @@ Pose frameAt(const CsvReader& at, const Format& format, std::uint64_t episode, s
 ContactPoint pointOf(std::span<const double> n, const CsvReader& at, const Pose& X_SF) {
   ContactPoint point{X_SF * Vector3{n[kX], n[kX + 1], n[kX + 2]}, n[kNormalForce]};
   // A point that pulls on the skin presses with no force.
-  if (n.size() > kNormalForce + 1) point.normal_force = std::max(-rotate(X_SF.rotation, {n[kForce], n[kForce + 1], n[kForce + 2]})[2], 0.0);
+  if (n.size() > kNormalForce + 1)
+    point.normal_force = std::max(-rotate(X_SF.rotation, {n[kForceX], n[kForceX + 1], n[kForceX + 2]})[2], 0.0);
   for (const double c : point.position) {
     if (std::abs(c) > kMaxContactCoordinate) {
       at.fail(at.fields()[kX].column, "x_m,y_m,z_m: " + numberText(c) + " m in the frame of the sensor is not allowed: at most " +
@@ -99,8 +100,8 @@ ContactPoint pointOf(std::span<const double> n, const CsvReader& at, const Pose&
     }
   }
   if (point.normal_force > kMaxContactForce) {
-    at.fail(at.fields()[kForce].column, "fx_N,fy_N,fz_N: a normal force of " + numberText(point.normal_force) +
-                                            " N is not allowed: at most " + numberText(kMaxContactForce) + " N");
+    at.fail(at.fields()[kForceX].column, "fx_N,fy_N,fz_N: a normal force of " + numberText(point.normal_force) +
+                                             " N is not allowed: at most " + numberText(kMaxContactForce) + " N");
   }
   return point;
 }
