@@ -9,9 +9,7 @@
 // Out: contact_normal (num_instances x num_taxels), N, divided by the part of the spread's kernel that stays on the sensor; contact_shear
 //      (num_instances x num_taxels x 2), N, likewise; contact_depth (num_instances x num_taxels), m; tile_results (num_instances x
 //      num_tiles); loads (num_instances); contact_cells (num_instances x num_taxels), tile_changes (num_instances x num_tiles x LANES),
-//      skin/cell_fluxes.glsl. A sensor of one tile writes taxels only inside the window of its result. For a globally coupled law
-//      contact_normal holds, instead of forces, the surface height (m, in P) at each solver node, with the slot in its lowest bits
-//      (depth/slots.glsl); kMiss without a surface. With AREA: node_cells instead.
+//      skin/cell_fluxes.glsl. A sensor of one tile writes taxels only inside the window of its result.
 // State per sample, between steps: skin/sample_states.glsl.
 // Shared memory: 4 TILE_SAMPLES (9 with AREA, 17 with MANY_SLOTS or ONE_VECTOR, too) + 16 LANES + 4 kClustersPerBatch + 4 GROUPS_PER_BATCH
 //      + 4 REPEAT + 88 bytes; friction adds 8 LANES + 512, ONE_VECTOR 16 NUM_FACES, AREA with meshes 4 kMostFacets, VARIATION 16
@@ -25,10 +23,13 @@
 #include "driver/barrier.glsl"
 #include "driver/vector_sums.glsl"
 #include "passes/declare.glsl"
+#include "passes/depth.h"
 #include "passes/contact.h"
-#include "passes/contact.glsl"
+#include "passes/depth.glsl"
 
 const float kMiss = kNoHeight;  // height where there is no surface
+const float REACH = 0.0;        // surfaces over the skin do not press
+const bool kAllHeights = false;
 
 #include "driver/whole.glsl"
 #include "common/transform.glsl"
@@ -42,15 +43,17 @@ const float kMiss = kNoHeight;  // height where there is no surface
 #include "depth/tile_heights.glsl"
 #include "depth/polyhedron.glsl"
 #include "depth/analytic.glsl"
-#include "skin/laws/registry.glsl"
+#include "skin/laws/winkler.glsl"
 
-const bool kShears = FRICTION && !kGlobalSolve;  // after a global solve, the pass that solves computes the shear
+const bool kShears = FRICTION;
 const bool kManyMotions = kKeepsSlots && MANY_SLOTS;
 
 #include "depth/bodies.glsl"
 #include "depth/round_part.glsl"
 #include "depth/subpixels.glsl"
 #include "depth/mesh.glsl"
+#include "depth/area/cell_sums.glsl"
+#include "depth/area/cell_depths.glsl"
 #include "depth/area.glsl"
 #include "depth/raster.glsl"
 #include "depth/heights.glsl"
@@ -66,6 +69,12 @@ const bool kManyMotions = kKeepsSlots && MANY_SLOTS;
 #include "skin/tile_result.glsl"
 #include "depth/tile_sequence.glsl"
 #include "depth/untouched_tiles.glsl"
+
+// Whether this dispatch processes the instance. One without an object is processed as if it had the first of the model.
+bool hasKind(uint instance) {
+  if (!SELECTS_KINDS) return true;
+  return (OBJECT_KINDS & (1u << objectOf(max(objectInSlot(instance), 0)).kind_groups.x)) != 0;
+}
 
 // Loads a tile. False when the load search of its instance has ended, and for an instance that is held or of another dispatch: its results
 // stay.
@@ -102,7 +111,6 @@ void computeTile(uint instance, uint tile_number, uint num_slots) {
     lowest_bits = kEmpty;
   }
   Reach reach = objectsNear(tile, instance, num_slots);
-  if (kWritesCells && search_here) sinkObjects(tile, instance, num_slots, reach);
   if (kLeavesUntouched && !isAny(reach.samples)) {
     clearTile(tile, instance, tile_number, gl_LocalInvocationIndex, WORKGROUP);
     return;

@@ -38,9 +38,9 @@ std::vector<std::size_t> axesNamed(const std::vector<std::string>& names) {
 Setting settingOf(const Model& model) {
   const Model::Impl& impl = implOf(model);
   Setting setting{};
-  setting[kContactWorkgroup] = static_cast<int>(impl.contact.sizes().workgroup);
-  setting[kContactRepeat] = static_cast<int>(impl.contact.sizes().repeat);
-  setting[kGroupsPerBatch] = static_cast<int>(impl.contact.groupsPerBatch());
+  setting[kContactWorkgroup] = static_cast<int>(impl.tiles.sizes().workgroup);
+  setting[kContactRepeat] = static_cast<int>(impl.tiles.sizes().repeat);
+  setting[kGroupsPerBatch] = static_cast<int>(impl.tiles.groupsPerBatch());
   setting[kImageWorkgroup] = static_cast<int>(impl.image.sizes().pass.workgroup);
   setting[kImageTeam] = static_cast<int>(impl.image.sizes().team);
   setting[kImageRepeat] = static_cast<int>(impl.image.sizes().pass.repeat);

@@ -1,9 +1,9 @@
-// Stage 1 of the contact pass: which objects reach into a tile, and the lowest surface over each of its samples (depth/tile_heights.glsl).
-// Heights in m, in P.
-// Twin: src/reference/depth.cpp.
+// Stage 1: which objects reach into a tile, and the lowest surface over each of its samples (depth/tile_heights.glsl). Heights in m, in P.
+//
+// The includer defines kAllHeights: surfaces at or above Tile::z_limit count, too.
+// Reference: src/reference/depth.cpp.
 
-// Lowers the heights of the tile to an analytic solid, sample by sample over its bounds. For a globally coupled law this includes heights
-// at or above the reach, which the Jacobian reads: a batch without loads uses no tile and has them too.
+// Lowers the heights of the tile to an analytic solid, sample by sample over its bounds.
 void rasterAnalytic(Tile tile, Body body, vec4 parameters, uint slot, inout Found found) {
   vec2 low = max(floor(body.center.xy - body.half_size.xy), tile.first);
   vec2 end = min(ceil(body.center.xy + body.half_size.xy) + 1.0, tile.end);
@@ -15,7 +15,7 @@ void rasterAnalytic(Tile tile, Body body, vec4 parameters, uint slot, inout Foun
     uvec2 at = first + cellNumbered(i, count.y);
     float z = analyticHeight(body.kind_groups.x, parameters, body.X_PO, samplePosition(tile, at), tile.z_floor, found);
     uint address = (at.x - uint(tile.first.x)) * tile.stride + at.y - uint(tile.first.y);
-    if (kGlobalSolve ? z < kMiss : isVisible(tile, z, found)) lowerHeight(tile, address, z, slot);
+    if (kAllHeights ? z < kMiss : isVisible(tile, z, found)) lowerHeight(tile, address, z, slot);
   }
   checkLoop(i < count.x * count.y);
 }
@@ -58,13 +58,7 @@ bool isInFrontOfFace(Tile tile, Body body, int id) {
   return any(greaterThan(abs(offset), reach));
 }
 
-// Whether this dispatch processes the instance. One without an object is processed as if it had the first of the model.
-bool hasKind(uint instance) {
-  if (!SELECTS_KINDS) return true;
-  return (OBJECT_KINDS & (1u << objectOf(max(objectInSlot(instance), 0)).kind_groups.x)) != 0;
-}
-
-const bool kBoundsRound = (OBJECT_KINDS & kRoundKinds) != 0 && !kGlobalSolve;
+const bool kBoundsRound = (OBJECT_KINDS & kRoundKinds) != 0 && !kAllHeights;
 // Shrinks the bounds of a round solid along u and v to the part that is lower than z_limit.
 void boundRound(Tile tile, vec4 parameters, inout Body body) {
   RoundPart part = roundPartBelow(tile.z_limit, body.kind_groups.x, parameters, body.X_PO);
@@ -104,11 +98,28 @@ Reach objectsNear(Tile tile, uint instance, uint num_slots) {
   return reach;
 }
 
-// Moves the objects to full depth, for the cells of a globally coupled law whose load search has yet to find the depth.
-void sinkObjects(inout Tile tile, uint instance, uint num_slots, inout Reach reach) {
+// Moves the objects to full depth, for a load search that runs later and needs to know which cells they cover.
+void lowerObjects(inout Tile tile, uint instance, uint num_slots, inout Reach reach) {
   if (reach.lowest_bound >= kMiss) return;
   tile.offset_z = -THICKNESS - reach.lowest_bound;
   reach = objectsNear(tile, instance, num_slots);
+}
+
+// Gives the cells of a box to the object whose sums are complete. All invocations call it.
+void takeCells(Tile tile, Box box, uint slot, inout Found found) {
+  if (!isAny(box)) return;
+  uint num_cols = uint(box.last.y - box.first.y + 1), count = uint(box.last.x - box.first.x + 1) * num_cols;
+  uint i = gl_LocalInvocationIndex;
+  do {
+    if (i < count) {
+      uvec2 at = uvec2(box.first) + cellNumbered(i, num_cols);
+      uint address = at.x * tile.stride + at.y;
+      CellSums sums = takeSums(tile, address);
+      if (sums.volume != 0.0 || sums.covered != 0.0) giveCell(tile, address, slot, sums, found);
+    }
+    i += WORKGROUP;
+  } while (i - gl_LocalInvocationIndex < count);
+  workgroupBarrier();
 }
 
 // Lowers the heights of the tile to one object.
@@ -157,4 +168,34 @@ Box rasterHeights(Tile tile, uint instance, uint num_slots, inout Reach reach, i
     if (reach.body.near) rasterBody(tile, instance, kKeepsSlots ? slotNumber(index) : 0u, reach.body, reach.id, found);
   } while (MANY_SLOTS && ++k < num_slots);
   return boxAround(found.samples);
+}
+
+// ---- heights without a tile ----
+
+// The only object of a pass that does not use the tile: its heights are computed where they are needed.
+struct OnlyObject {
+  Body body;
+  uint slot;  // object slot of body
+  vec4 parameters;
+};
+
+OnlyObject onlyObject(Reach reach, uint slot_index, bool loads_parameters) {
+  OnlyObject only = OnlyObject(reach.body, kKeepsSlots && !usesTile() ? slotNumber(slot_index) : 0u, vec4(0));
+  if (!usesTile() || loads_parameters) only.parameters = objectOf(max(reach.id, 0)).parameters;
+  return only;
+}
+
+// Height of a sample over Tile::z_base, m, with or without a tile: a batch may change between the two, and both give the same bits. `word`:
+// the tile's word. With kOnlyPolyhedra and without a tile startRow() has been called.
+float sampleHeight(Tile tile, OnlyObject only, uint address, vec2 position, inout Found found, out uint word) {
+  word = 0;
+  if (usesTile()) {
+    word = tile_heights[address];
+    return withoutSlot(word);
+  }
+  float z = kOnlyPolyhedra ? heightInRow(position.y, tile.z_floor, found)
+                           : analyticHeight(only.body.kind_groups.x, only.parameters, only.body.X_PO, position, tile.z_floor, found);
+  if ((NUM_ROWS == 0 || OUTPUT_JACOBIAN) && !isVisible(tile, z, found)) return kMiss;
+  word = withSlot(max(z - tile.z_base, 0.0), only.slot);
+  return withoutSlot(word);
 }

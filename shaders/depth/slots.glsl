@@ -5,7 +5,7 @@
 // The float keeps 20 of its 23 bits, rounded to nearest: a height within the skin is off by at most 2^-21 of the skin's thickness, 1 nm of
 // 2 mm.
 
-const bool kKeepsSlots = FRICTION && KEEPS_SLOTS;
+const bool kKeepsSlots = KEEPS_SLOTS;
 const uint kSlotMask = (1u << kSlotBits) - 1u;
 
 uint withSlot(float value, uint slot) {

@@ -5,7 +5,7 @@
 const uint kRounds = (NUM_ROWS * NUM_COLS + LANES - 1u) / LANES;
 const bool kHasBounds = EITHER(kOnlyPolyhedra, kOnlyRound);
 const bool kSkipsTaxels = EARLY_EXIT && kHasBounds && NUM_ROWS > 0 && NUM_TILES == 1 && kRounds <= 32 && !MANY_SLOTS &&
-                          SEARCH != kSearchInTile && SEARCH != kSearchEnded && RELAXATION == 0 && !kGlobalSolve;
+                          SEARCH != kSearchInTile && SEARCH != kSearchEnded && RELAXATION == 0;
 
 void writeShear(uint taxel, vec2 shear) {
   contact_shear[2 * taxel] = shear.x;

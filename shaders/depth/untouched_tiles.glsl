@@ -6,10 +6,10 @@ bool beginTile(uint instance, uint tile_number, out Tile tile);
 // Sensors with many small tiles: objects reach few of them. Relaxation advances the state of every tile.
 const bool kManySmallTiles = EARLY_EXIT && NUM_ROWS == 0 && NUM_TILES > 1 && RELAXATION == 0;
 // Other tiles that nothing reaches: their workgroups leave early. A load search in the tile has to say that it found nothing.
-const bool kLeavesUntouched = EARLY_EXIT && NUM_ROWS > 0 && RELAXATION == 0 && !kGlobalSolve && !OUTPUT_JACOBIAN && SEARCH != kSearchInTile;
+const bool kLeavesUntouched = EARLY_EXIT && NUM_ROWS > 0 && RELAXATION == 0 && !OUTPUT_JACOBIAN && SEARCH != kSearchInTile;
 // Whether all outputs of a tile outside pastWindow() are 0. Not after a search over tiles, which writes windows, but no shear and no
 // Jacobian; nor where taxel passes write other windows.
-const bool kKnowsPast = EARLY_EXIT && IS_LAST && NUM_ROWS > 0 && SEARCH != kSearchEnded && !kGlobalSolve;
+const bool kKnowsPast = EARLY_EXIT && IS_LAST && NUM_ROWS > 0 && SEARCH != kSearchEnded;
 // One invocation per tile first finds the tiles that objects reach; then all invocations process these one after another. This does not pay
 // where a large tile would be cleared every time, or where the workgroup has only one tile.
 bool findsNear() { return kManySmallTiles || kLeavesUntouched && kKnowsPast && REPEAT > 1; }
@@ -31,7 +31,7 @@ uvec4 pastWindow(uint result) { return fourOf(ResultFours, 3u * result + 2u); }
 // Clears the outputs of a tile's taxels that are not active; `invocation` of `num_invocations`. The image pass reads no forces outside the
 // window of a sensor of one tile with a kernel.
 void clearTaxels(Tile tile, uint instance, uint result, ActiveTaxels active_taxels, uint invocation, uint num_invocations) {
-  const bool kClearsForces = OUTPUT_JACOBIAN || NUM_TILES > 1 || NUM_ROWS == 0 || HAS_CELLS;
+  const bool kClearsForces = OUTPUT_JACOBIAN || NUM_TILES > 1 || NUM_ROWS == 0;
   if (!(kClearsForces || OUTPUT_DEPTH)) return;
   uvec2 first = tile.first_taxel, count = tile.size;
   if (kKnowsPast) {
@@ -43,11 +43,7 @@ void clearTaxels(Tile tile, uint instance, uint result, ActiveTaxels active_taxe
     uvec2 in_patch = first + cellNumbered(k, count.y), from_active = in_patch - tile.first_taxel - active_taxels.first;
     if (all(lessThan(from_active, active_taxels.count))) continue;
     uint taxel = instance * NUM_TAXELS + tile.grid.z + in_patch.x * tile.grid.y + in_patch.y;
-    if (kWritesCells) {
-      node_cells[kNodeCellWords * taxel + 1u] = 0;
-      continue;
-    }
-    if (kClearsForces) contact_normal[taxel] = kGlobalSolve ? kMiss : 0.0;
+    if (kClearsForces) contact_normal[taxel] = 0.0;
     if (OUTPUT_SHEAR) writeShear(taxel, vec2(0));
     if (OUTPUT_DEPTH) contact_depth[taxel] = 0.0;
     if (OUTPUT_JACOBIAN) clearCell(taxel);

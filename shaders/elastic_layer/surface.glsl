@@ -1,11 +1,11 @@
-// The surface over the nodes of an elastic layer, from the heights that the contact pass leaves, and its overlap with the undeformed skin.
+// The surface over the nodes of an elastic layer, from the heights that the heights pass leaves, and its overlap with the undeformed skin.
 //
 // Heights are in m, in P, with the slot in their lowest bits (depth/slots.glsl); kMiss without a surface. Overlaps are in thicknesses,
 // positive below Surface::origin.
 
 struct Surface {
   uint first_height;  // of the instance in heights[]
-  uvec4 reached;      // nodes that the contact pass has reached: first row, end row, first col, end col; all 0 without any
+  uvec4 reached;      // nodes under objects: first row, end row, first col, end col; all 0 without any
   float origin;       // height at which the overlap is 0, m
 };
 
@@ -66,7 +66,7 @@ vec4 heightsOver(Surface surface, uvec2 at) {
 uvec4 reachedNodes(uint instance) {
   uvec4 reached = uvec4(NODE_ROWS, 0, NODE_COLS, 0);
   for (uint t = 0; t < NUM_HEIGHT_TILES; ++t) {
-    uvec4 tile = windows[instance * NUM_HEIGHT_TILES + t].window;
+    uvec4 tile = windows[instance * NUM_HEIGHT_TILES + t];
     if (tile.x >= tile.y) continue;
     reached = uvec4(min(reached.x, tile.x), max(reached.y, tile.y), min(reached.z, tile.z), max(reached.w, tile.w));
   }

@@ -53,7 +53,7 @@
 #define BLOCK_TileResults BLOCK(TileResults, TileResult, tile_results[])     // (n x num_tiles)
 #define BLOCK_Heights BLOCK(Heights, uint, heights[])         // of an elastic layer (n x num_nodes): m as bits, depth/slots.glsl
 #define BLOCK_NodeCells BLOCK(NodeCells, uint, node_cells[])  // of its cells (n x num_nodes x kNodeCellWords), shared/elastic_layer.h
-#define BLOCK_Windows BLOCK(Windows, TileResult, windows[])   // of an elastic layer (n x tiles of its heights)
+#define BLOCK_Windows BLOCK(Windows, uvec4, windows[])        // (n x tiles of heights): nodes under objects, as TileResult::window
 #define BLOCK_Layer BLOCK(Layer, uvec2, layer[])              // arrays over strips of nodes, kLayer...
 #define BLOCK_TaxelStates BLOCK(TaxelStates, float, taxel_states[])     // (n x num_states x t), readout/lag.glsl
 #define BLOCK_ImageWindows BLOCK(ImageWindows, uvec4, image_windows[])  // of the step before: first row and column, their numbers

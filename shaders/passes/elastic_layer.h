@@ -9,10 +9,10 @@ CONSTANT(16, float, REACH)       // gaps that matter, in depths of the deepest n
 CONSTANT(17, float, NODE_FORCE)  // of a node under a pressure that moves its own cell by a thickness, N
 CONSTANT(18, uint, ITERATIONS)
 CONSTANT(19, float, TOLERANCE)             // the solver ends when contact_residual is no larger
-CONSTANT(20, uint, NUM_HEIGHT_TILES)       // of the contact pass
+CONSTANT(20, uint, NUM_HEIGHT_TILES)       // tiles of the heights pass
 CONSTANT(21, bool, LOADS)                  // some instance is driven by load
 CONSTANT(22, bool, OUTPUT_DEPTH)           // writes contact_depth
-CONSTANT(23, bool, KEEPS_SLOTS)            // as in contact.h
+CONSTANT(23, bool, KEEPS_SLOTS)            // as in passes/depth.h
 CONSTANT(24, bool, FRICTION)               // shear with memory, skin/friction.glsl
 CONSTANT(25, float, TANGENTIAL_STIFFNESS)  // N/m^3
 CONSTANT(26, float, FRICTION_COEFFICIENT)

@@ -77,19 +77,19 @@ Stiffness stiffnessAt(Tile tile, float d, float width, float f) {
   float share = RELAXATION > 0 && elastic > 0.0 ? f / elastic : 1.0;
   bool lifted = pressed > 0.0 && f <= 0.0;  // no pressure because of a damper or a dent
   float slope = lifted || d <= (RELAXATION > 0 ? 0.0 : -cellReach(tile)) ? 0.0 : share * meanSlope(d, RELAXATION > 0 ? 0.0 : width);
-  return Stiffness(slope, lifted ? 0.0 : share * elastic * pressed * (LAW_1 / (LAW_1 + 1.0)));
+  return Stiffness(slope, lifted ? 0.0 : share * elastic * pressed * (EXPONENT / (EXPONENT + 1.0)));
 }
 
 // With area sampling, of a cell of mean depth d, a share of which is covered; the share is negative at the skin's full thickness. Without
 // VARIATION pressure is proportional to depth.
 Stiffness stiffnessOf(CellPoints points, float d, float covered, float f) {
   if (d <= 0.0 || f <= 0.0) return Stiffness(0.0, 0.0);
-  if (VARIATION && LAW_1 != 1.0) {
+  if (VARIATION && EXPONENT != 1.0) {
     float share = RELAXATION > 0 ? f / cellPressure(points, abs(covered), 0.0) : 1.0;
     Stiffness sum = Stiffness(0.0, 0.0);
     for (uint k = 0; k < kCellPoints; ++k) {
       sum.slope += share * max(covered, 0.0) * points.weight[k] * lawSlope(points.depth[k]);
-      sum.G += share * pressureAt(points, k, abs(covered), 0.0) * points.depth[k] * (1.0 / (LAW_1 + 1.0));
+      sum.G += share * pressureAt(points, k, abs(covered), 0.0) * points.depth[k] * (1.0 / (EXPONENT + 1.0));
     }
     return sum;
   }

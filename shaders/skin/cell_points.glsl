@@ -22,7 +22,7 @@ struct CellPoints {
 // depths from 0 to D, of which those up to t D slip, friction is the mean t - t^2/2 of the smaller of two tractions. With 0.6 the largest
 // errors of two points, at t = 0.15, 0.4 and 0.74, are 7 to 8 %; with 0.5 friction is 11.8 % too large at t = 0.21, while an edge begins to
 // slip. Other exponents need equal parts for their mean pressure.
-float mostDeep() { return LAW_1 == 1.0 ? 0.6 : 0.5; }
+float mostDeep() { return EXPONENT == 1.0 ? 0.6 : 0.5; }
 
 // `mean`: depth of the covered part, m. `share`: of the cell, covered. `variation`: variationOf(), depth/area/cell_depths.glsl.
 CellPoints cellPoints(Tile tile, float mean, float share, uint variation) {

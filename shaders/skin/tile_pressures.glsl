@@ -2,7 +2,7 @@
 // (skin/laws/), relaxation and friction.
 //
 // In:  heights of the tile or of one solid (depth/heights.glsl).
-// Out: contact_normal, contact_depth, contact_shear, contact_cells, node_cells, tile_changes; sums of the wrench; num_deep and any_behind.
+// Out: contact_normal, contact_depth, contact_shear, contact_cells, tile_changes; sums of the wrench; num_deep and any_behind.
 // Shared memory: 12 bytes.
 // Twins: src/reference/contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp.
 
@@ -12,16 +12,6 @@ const float kLooksUp = 0.7;
 shared uint most_touched;  // taxels of any lane that kSkipsTaxels leaves
 shared uint num_deep;      // samples at the skin's full thickness
 shared uint any_behind;    // 1: a surface below Tile::z_floor, on a patch that looks along z of S
-
-// The second run of the pass for a globally coupled law with area sampling, which leaves the heights of the first one alone.
-const bool kWritesCells = kGlobalSolve && AREA;
-
-// `height`: mean over what is covered, m; `word`: of the tile.
-void writeNodeCell(uint node, float height, uint word, uint address) {
-  node_cells[kNodeCellWords * node] = withSlot(height, slotOf(word));
-  node_cells[kNodeCellWords * node + 1u] = word >= kNoDepth ? 0u : cell_shares[address];
-  node_cells[kNodeCellWords * node + 2u] = cell_variations[address];
-}
 
 // Taxels of a tile that can carry force: a rectangle, in taxels of the tile, half-open.
 struct ActiveTaxels {
@@ -52,16 +42,14 @@ struct TileStep {
   TileSkin skin;       // that relaxes
   Motion only_motion;  // of the object in the only slot
   float friction;      // the instance's factor on friction
-  Body body;           // the one solid of a pass without a tile
-  uint slot;           // of that solid
-  vec4 parameters;     // of that solid
-  RoundPart part;      // of that solid, if kOnlyRound
+  OnlyObject only;     // the object of a pass without a tile
+  RoundPart part;      // its part within reach, with kOnlyRound
 };
 
 // Sums over the samples of a taxel.
 struct TaxelSums {
   float depth;        // m
-  float force;        // Pa; for a law that is solved over all nodes at once the height of the surface, m
+  float force;        // Pa
   vec2 moment;        // Pa m
   vec2 shear;         // Pa
   vec3 shear_moment;  // Pa m
@@ -86,7 +74,7 @@ TileStep beginPressures(Tile tile, uint instance, uint tile_number, uint num_slo
   step.touched = kStoresTouched ? readRectangle(step.state, kTouchedTaxels, is_first) : uvec4(0);
   if (RELAXATION > 0) step.skin = loadTileSkin(step.state, is_first);
   step.found = Search(0.0, 0.0, 0.0, kLoadOutOfReach);
-  if (!kGlobalSolve && SEARCH == kSearchInTile && search_here) {
+  if (SEARCH == kSearchInTile && search_here) {
     if (taxels.count.x * taxels.count.y > 0) {
       step.found = searchLoad(tile, step.skin, instanceRecord(instance).drive.x, taxels.first * SAMPLES, taxels.count * SAMPLES);
     }
@@ -95,11 +83,10 @@ TileStep beginPressures(Tile tile, uint instance, uint tile_number, uint num_slo
   step.surface = search_here ? step.found.depth + step.found.lowest : THICKNESS;
   step.friction = RANDOM_SKIN ? instanceRecord(instance).skin.y : 1.0;
   if (kShears) step.only_motion = loadMotions(instance, num_slots, search_here ? step.found.offset : tile.offset_z, tile.X_PS);
-  step.body = reach.body;
-  step.slot = kKeepsSlots && !usesTile() ? slotNumber(instance * num_slots) : 0u;
-  step.parameters = vec4(0);
-  if (!usesTile() || kSkipsTaxels) step.parameters = objectOf(max(reach.id, 0)).parameters;
-  if (kSkipsTaxels && kOnlyRound) step.part = roundPartBelow(tile.z_limit, step.body.kind_groups.x, step.parameters, step.body.X_PO);
+  step.only = onlyObject(reach, instance * num_slots, kSkipsTaxels);
+  if (kSkipsTaxels && kOnlyRound) {
+    step.part = roundPartBelow(tile.z_limit, step.only.body.kind_groups.x, step.only.parameters, step.only.body.X_PO);
+  }
   step.per_dt = HAS_STATE || BRISTLES ? step_record.time.y : 0.0;
   return step;
 }
@@ -127,21 +114,6 @@ void writeShears(uint first, ShearStates states) {
   if (VARIATION) state[first + kShearStates + 3u] = states.y_1;
 }
 
-// Height of a sample over Tile::z_base, m, with or without a tile: a batch may change between the two, and both give the same bits. `word`:
-// the tile's word.
-float sampleHeight(Tile tile, TileStep step, uint address, vec2 position, inout Found found, out uint word) {
-  word = 0;
-  if (usesTile()) {
-    word = tile_heights[address];
-    return withoutSlot(word);
-  }
-  float z = kOnlyPolyhedra ? heightInRow(position.y, tile.z_floor, found)
-                           : analyticHeight(step.body.kind_groups.x, step.parameters, step.body.X_PO, position, tile.z_floor, found);
-  if ((NUM_ROWS == 0 || OUTPUT_JACOBIAN) && !isVisible(tile, z, found)) return kMiss;
-  word = withSlot(max(z - tile.z_base, 0.0), step.slot);
-  return withoutSlot(word);
-}
-
 const bool kHasStates = kStoresTouched || RELAXATION > 0;
 const bool kUnrollsRows = EITHER(kHasStates, OUTPUT_JACOBIAN);
 const uint kSamplesAtOnce = kUnrollsRows ? 4u : 1u;  // of a row
@@ -164,7 +136,7 @@ uvec4 wordsOfRow(Tile tile, TileStep step, uvec2 base, vec2 first_sample, uint r
   [[unroll]] for (uint b = 0; b < 4u; ++b) {
     if (b < SAMPLES && row < SAMPLES) {
       uint word;
-      float height = sampleHeight(tile, step, address + b, vec2(x, samplePosition(tile, first_sample + vec2(0, b)).y), found, word);
+      float height = sampleHeight(tile, step.only, address + b, vec2(x, samplePosition(tile, first_sample + vec2(0, b)).y), found, word);
       words[b] = height >= kMiss ? kEmpty : word;
     }
   }
@@ -284,13 +256,7 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
             vec2 position = vec2(x, samplePosition(tile, first_sample + vec2(0, b)).y);
             uint word = component(rows.here, b);
             float height = withoutSlot(word);
-            if (!keepsRows()) height = sampleHeight(tile, step, address, position, found, word);
-            if (kWritesCells)
-              writeNodeCell(step.first_taxel + in_patch.x * tile.grid.y + in_patch.y, -tile.offset_z - depthOfWord(word), word, address);
-            if (kGlobalSolve) {
-              force = height >= kMiss ? kMiss : uintBitsToFloat(withSlot(tile.z_base + height, slotOf(word)));
-              continue;
-            }
+            if (!keepsRows()) height = sampleHeight(tile, step.only, address, position, found, word);
             float d = clamp(step.load_driven ? step.found.depth - (height - step.found.lowest) : THICKNESS - height, 0.0, THICKNESS);
             if (AREA) d = depthOfWord(word);
             float d_rate = HAS_STATE ? depthRate(step, depths, i, d) : 0.0;
@@ -298,7 +264,7 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
             deep += d >= THICKNESS || share < 0.0 ? 1u : 0u;
             CellPoints points;
             if (VARIATION) points = cellPoints(tile, d / abs(share), abs(share), cell_variations[address]);
-            bool is_uneven = VARIATION && LAW_1 != 1.0;
+            bool is_uneven = VARIATION && EXPONENT != 1.0;
             float f = is_uneven ? cellPressure(points, abs(share), d_rate) : lawPressure(d, d_rate);
             if (RELAXATION > 0) f = relax(step.skin, skin_states, i, is_reached, f);
             force += f;
@@ -331,12 +297,12 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
 // Writes one taxel and adds to the wrench (normal force, torque about x, y and z of P) and shear of its lane.
 void writeTaxel(Tile tile, uint instance, uvec2 in_patch, TaxelSums sums, Cell cell, inout vec4 wrench, inout vec2 lane_shear) {
   const float kPerSample = 1.0 / float(SAMPLES * SAMPLES);
-  float force = kGlobalSolve ? sums.force : sums.force * tile.force_area;
+  float force = sums.force * tile.force_area;
   vec2 moment = sums.moment * tile.force_area;
   uint in_sensor = tile.grid.z + in_patch.x * tile.grid.y + in_patch.y;
   uint taxel = instance * NUM_TAXELS + in_sensor;
   float scale = SCALED ? floatOfFours(SpreadScale, in_sensor) : 1.0;
-  if (!kWritesCells) contact_normal[taxel] = SCALED ? force * scale : force;
+  contact_normal[taxel] = SCALED ? force * scale : force;
   if (OUTPUT_DEPTH) contact_depth[taxel] = sums.depth * kPerSample;
   if (OUTPUT_JACOBIAN) writeCell(tile, taxel, cell);
   // The skin is pressed along -z: torque (x, y, 0) x (0, 0, -f).

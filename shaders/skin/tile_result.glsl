@@ -2,12 +2,7 @@
 // Out: tile_results; the state that friction and relaxation keep of the tile.
 
 void writeTileResult(Tile tile, TileStep step, ActiveTaxels taxels, Box samples) {
-  vec4 total = vec4(0);
-  if (kGlobalSolve) {
-    workgroupBarrier();  // the forces of such a law follow later
-  } else {
-    total = sumOfPartials();
-  }
+  vec4 total = sumOfPartials();
   if (usesTile() && REPEAT > 1) clearSamples(tile, samples);
   if (RELAXATION > 0 && kUpdatesSkin) updateRestOfSkin(tile, step.skin, taxels.first, taxels.count);
   vec3 force = -total.x * tile.X_PS.row2.xyz;  // rows of R_PS are the axes of P in S
@@ -27,12 +22,6 @@ void writeTileResult(Tile tile, TileStep step, ActiveTaxels taxels, Box samples)
   uvec4 window = none ? uvec4(0) : uvec4(first.x, first.x + taxels.count.x, first.y, first.y + taxels.count.y);
   if (kStoresTouched) writeRectangle(step.state, kTouchedTaxels, none ? uvec4(0) : uvec4(taxels.first, taxels.first + taxels.count).xzyw);
   if (NUM_ROWS == 0) window = uvec4(any_behind, 0, 0, 0);
-  if (kWritesCells) {  // the window of heights grows to that of the cells
-    uvec4 heights = tile_results[step.result].window;
-    workgroupBarrier();
-    if (none) window = heights;
-    if (!none && heights.x < heights.y) window = uvec4(min(window.xz, heights.xz), max(window.yw, heights.yw)).xzyw;
-  }
   vec4 force_row = vec4(force, float(num_deep));
   vec4 torque_row = vec4(torque, kSumsSlopes ? total.w * tile.X_PS.row2.z * tile.X_PS.row2.z : total.x);
   for (uint k = gl_LocalInvocationIndex; k < 4; k += WORKGROUP) {  // one word per invocation

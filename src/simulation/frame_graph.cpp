@@ -12,13 +12,18 @@ bool searchesOverTiles(const ModelData& data, const FrameKind& kind) {
   return kind.loads && !data.layer && !data.packed.searches_in_tile;
 }
 
+// Whether passes over objects process lists of instances.
+bool usesLists(const BatchShape& shape, const FrameKind& kind) {
+  return shape.keeps_candidates && !kind.loads && kind.candidates != Candidates::kLeft;
+}
+
 // The contact pass from poses. In a large batch of a model of several kinds of objects it is a dispatch for each kind, compiled for what
-// this kind needs: the same results in less time, for more kernels to compile. Most of the time of a coupled law is that of its solver.
+// this kind needs: the same results in less time, for more kernels to compile.
 void recordContact(const Model::Impl& model, const BatchShape& shape, Recorder& recorder, ContactPass::Variant variant) {
   constexpr int kMinInstances = 256;
   const std::span<const std::uint32_t> kinds = model.data.object_kinds.passes;
-  const bool divides = kinds.size() > 1 && !model.data.layer && shape.options.num_instances >= kMinInstances && !variant.many_slots &&
-                       variant.search == ContactInterface::kNoSearch;
+  const bool divides = kinds.size() > 1 && shape.options.num_instances >= kMinInstances && !variant.many_slots &&
+                       variant.search == DepthConstants::kNoSearch;
   if (!divides) return model.contact.record(recorder, variant);
   const std::uint32_t list = variant.list;
   for (const std::uint32_t mask : kinds) {
@@ -28,10 +33,33 @@ void recordContact(const Model::Impl& model, const BatchShape& shape, Recorder& 
   }
 }
 
+// Stages 1 and 2 of the law elastic_layer.
+void recordLayer(const Model::Impl& model, const BatchShape& shape, Recorder& recorder, const FrameKind& kind) {
+  const OutputOptions& outputs = shape.options.outputs;
+  HeightsPass::Variant variant{
+      .loads = kind.loads, .many_slots = kind.many_near, .keeps_slots = shape.options.num_slots > 1 && shape.hasFriction()};
+  if (kind.candidates == Candidates::kUsed) {
+    variant.list = layout::kListCandidates;
+    model.heights->record(recorder, variant);
+  }
+  variant.list = usesLists(shape, kind) ? layout::kListWholeMesh : layout::kNumLists;
+  model.heights->record(recorder, variant);
+  if (model.data.area()) {
+    variant.list = layout::kNumLists;
+    variant.cells = true;
+    model.heights->record(recorder, variant);
+  }
+  model.elastic_layer->record(recorder, {.loads = kind.loads,
+                                         .keeps_slots = variant.keeps_slots,
+                                         .with_depth = outputs.penetration_depth,
+                                         .with_shear = shape.outputsShear(),
+                                         .with_jacobian = shape.outputsJacobian()});
+}
+
 // Evaluates the contact pass at the offsets of the search until it has ended.
 void recordSearchOverTiles(const Model::Impl& model, Recorder& recorder, ContactPass::Variant variant) {
   const bool with_jacobian = variant.with_jacobian;
-  variant.search = ContactInterface::kSearchOverTiles;
+  variant.search = DepthConstants::kSearchOverTiles;
   variant.with_jacobian = false;
   for (std::uint32_t evaluation = 0; evaluation < LoadSearchPass::kNumFrameEvaluations; ++evaluation) {
     model.contact.record(recorder, variant);
@@ -39,48 +67,42 @@ void recordSearchOverTiles(const Model::Impl& model, Recorder& recorder, Contact
   }
   // What the search leaves alone: the state of the samples and the Jacobian.
   if (model.data.hasFriction() || model.data.relaxes() || with_jacobian) {
-    variant.search = ContactInterface::kSearchEnded;
+    variant.search = DepthConstants::kSearchEnded;
     variant.with_jacobian = with_jacobian;
     model.contact.record(recorder, variant);
   }
 }
 
-// Stages 1 and 2 from poses of objects.
-void recordObjects(const Model::Impl& model, const BatchShape& shape, Recorder& recorder, const FrameKind& kind) {
-  const bool coupled = model.data.layer.has_value();
-  // A globally coupled law needs heights only; its own pass writes the outputs.
-  ContactPass::Variant variant{.search = kind.loads ? ContactInterface::kSearchInTile : ContactInterface::kNoSearch,
+// Stages 1 and 2 of other laws.
+void recordContacts(const Model::Impl& model, const BatchShape& shape, Recorder& recorder, const FrameKind& kind) {
+  ContactPass::Variant variant{.search = kind.loads ? DepthConstants::kSearchInTile : DepthConstants::kNoSearch,
                                .many_slots = kind.many_near,
                                .keeps_slots = shape.options.num_slots > 1 && shape.hasFriction(),
-                               .with_depth = !coupled && shape.options.outputs.penetration_depth,
-                               .with_shear = !coupled && shape.outputsShear(),
-                               .with_jacobian = !coupled && shape.outputsJacobian(),
+                               .with_depth = shape.options.outputs.penetration_depth,
+                               .with_shear = shape.outputsShear(),
+                               .with_jacobian = shape.outputsJacobian(),
                                .with_wrench = shape.options.outputs.clean_tactile_jacobian,
                                .random_skin = shape.options.vary_skin};
-  if (kind.candidates == Candidates::kKept || kind.candidates == Candidates::kUsed)
-    model.candidates.record(recorder, variant.with_jacobian);
   if (kind.candidates == Candidates::kUsed) {
     variant.list = layout::kListCandidates;
     model.contact.record(recorder, variant);
   }
-  const bool uses_lists = shape.keeps_candidates && !kind.loads && kind.candidates != Candidates::kLeft;
-  variant.list = uses_lists ? layout::kListWholeMesh : layout::kNumLists;
+  variant.list = usesLists(shape, kind) ? layout::kListWholeMesh : layout::kNumLists;
   if (searchesOverTiles(model.data, kind)) {
     recordSearchOverTiles(model, recorder, variant);
   } else {
     recordContact(model, shape, recorder, variant);
   }
+}
+
+// Stages 1 and 2 from poses of objects.
+void recordObjects(const Model::Impl& model, const BatchShape& shape, Recorder& recorder, const FrameKind& kind) {
+  const bool keeps_candidates = kind.candidates == Candidates::kKept || kind.candidates == Candidates::kUsed;
+  if (keeps_candidates) model.candidates.record(recorder, shape.outputsJacobian() && !model.elastic_layer);
   if (model.elastic_layer) {
-    if (model.data.area()) {  // the second run of the contact pass
-      variant.list = layout::kNumLists;
-      variant.cells = true;
-      model.contact.record(recorder, variant);
-    }
-    model.elastic_layer->record(recorder, {.loads = kind.loads,
-                                           .keeps_slots = variant.keeps_slots,
-                                           .with_depth = shape.options.outputs.penetration_depth,
-                                           .with_shear = shape.outputsShear(),
-                                           .with_jacobian = shape.outputsJacobian()});
+    recordLayer(model, shape, recorder, kind);
+  } else {
+    recordContacts(model, shape, recorder, kind);
   }
   model.taxel_laws.record(recorder, shape.outputsShear());
   if (model.deformation_mask) model.deformation_mask->record(recorder, shape.outputsJacobian());

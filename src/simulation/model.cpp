@@ -8,8 +8,9 @@ namespace taxelsim {
 
 Model::Impl::Impl(const Device& device, const ModelOptions& options, const Tuning& tuning)
     : data(device, options),
-      contact(data, options, tuning),
-      candidates(data, contact),
+      tiles(data, options, tuning),
+      contact(data, tiles),
+      candidates(data, tiles),
       taxel_laws(data),
       image(data, options, tuning),
       three_axis(data),
@@ -19,6 +20,7 @@ Model::Impl::Impl(const Device& device, const ModelOptions& options, const Tunin
       tactile_jacobian(data, options),
       servo(data) {
   if (data.hasMask()) deformation_mask.emplace(data, options);
+  if (data.layer) heights.emplace(data, tiles);
   if (data.layer) elastic_layer.emplace(data, options);
 }
 

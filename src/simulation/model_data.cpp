@@ -6,7 +6,7 @@
 
 #include "gpu/device_access.h"
 #include "shared/candidates.h"
-#include "simulation/passes/contact.h"
+#include "simulation/passes/tile_plan.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

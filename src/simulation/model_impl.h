@@ -10,6 +10,7 @@
 #include "simulation/passes/contacts.h"
 #include "simulation/passes/deformation_mask.h"
 #include "simulation/passes/elastic_layer.h"
+#include "simulation/passes/heights.h"
 #include "simulation/passes/image.h"
 #include "simulation/passes/load_search.h"
 #include "simulation/passes/servo.h"
@@ -28,8 +29,10 @@ struct Model::Impl {
   Impl& operator=(const Impl&) = delete;
 
   ModelData data;
+  TilePlan tiles;
   ContactPass contact;
   CandidatePasses candidates;
+  std::optional<HeightsPass> heights;  // of the law elastic_layer, as the next
   std::optional<ElasticLayerPass> elastic_layer;
   TaxelLawPasses taxel_laws;
   std::optional<DeformationMaskPass> deformation_mask;  // of this law

@@ -279,11 +279,10 @@ def num_modules(root):
     """SPIR-V modules that shaders/CMakeLists.txt lists: one a call, two for those with a variant, in every round of a foreach."""
     file = root / "shaders" / "CMakeLists.txt"
     text = file.read_text() if file.exists() else ""
-    laws = re.search(r"set\(CONTACT_LAWS (.*?)\)", text)
     text = re.sub(r"function\(.*?endfunction\(\)", "", text, flags=re.DOTALL)
     count = 0
     for items, body in re.findall(r"foreach\(\w+ (.*?)\)(.*?)endforeach\(\)", text, re.DOTALL):
-        names = items.replace("${CONTACT_LAWS}", laws.group(1) if laws else "").split()
+        names = items.split()
         count += len(names) * calls_of(body)
     return count + calls_of(re.sub(r"foreach\(.*?endforeach\(\)", "", text, flags=re.DOTALL))
 

@@ -6,9 +6,9 @@
 #include <numeric>
 #include <set>
 
+#include "contact.spv.h"
 #include "contact_features.spv.h"
 #include "contact_regions.spv.h"
-#include "contact_winkler.spv.h"
 #include "contacts.spv.h"
 #include "deformation_mask.spv.h"
 #include "elastic_layer.spv.h"
@@ -17,6 +17,7 @@
 #include "gpu/bindings.h"
 #include "gpu/pass_kernel.h"
 #include "gpu/reflection.h"
+#include "heights.spv.h"
 #include "image.spv.h"
 #include "keep_candidates.spv.h"
 #include "load.spv.h"
@@ -107,7 +108,8 @@ void expectMatches(std::span<const std::uint32_t> spirv, const char* name) {
 
 // Ids and bindings are contiguous, and no list has more or fewer than its shader, of which all arithmetic is exact.
 TEST(PassInterfaces, MatchTheShaders) {
-  expectMatches<ContactInterface>(k_contact_winkler_spirv, "contact");
+  expectMatches<ContactInterface>(k_contact_spirv, "contact");
+  expectMatches<HeightsInterface>(k_heights_spirv, "heights");
   expectMatches<KeepCandidatesInterface>(k_keep_candidates_spirv, "keep_candidates");
   expectMatches<FindCandidatesInterface>(k_find_candidates_spirv, "find_candidates");
   expectMatches<LoadInterface>(k_load_spirv, "load");

@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "contact_winkler.spv.h"
+#include "contact.spv.h"
 #include "gpu/reflection.h"
 
 namespace taxelsim {
@@ -139,11 +139,11 @@ TEST(Specialization, KeepsLoopsThatGoOn) {
 
 // A pass without any kind of object, search, friction or state.
 TEST(Specialization, RemovesMostOfAPass) {
-  const gpu::Reflection before = gpu::reflect(k_contact_winkler_spirv);
+  const gpu::Reflection before = gpu::reflect(k_contact_spirv);
   std::vector<gpu::Constant> constants;
   for (const std::uint32_t id : before.constants) constants.push_back({id, 0});
-  const Words words = gpu::specialize(k_contact_winkler_spirv, constants);
-  EXPECT_LT(10 * words.size(), 3 * std::size(k_contact_winkler_spirv));
+  const Words words = gpu::specialize(k_contact_spirv, constants);
+  EXPECT_LT(10 * words.size(), 3 * std::size(k_contact_spirv));
   const gpu::Reflection after = gpu::reflect(words);
   EXPECT_THAT(after.constants, IsEmpty());
   EXPECT_EQ(after.buffers, before.buffers);

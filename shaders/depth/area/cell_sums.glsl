@@ -1,9 +1,18 @@
 // Area sampling: sums over the cells of a tile, for one object at a time. Sums are integers, so that the order of facets does not matter.
+// Reference: src/reference/area_depth.cpp.
 //
 // With ONE_VECTOR two sums are one word of 64 bits (driver/README.md): the second sum, plus 2^32 times the first. Otherwise, where an
 // instance has one slot, the sums of volume and share begin at the words of an empty tile: they take no more shared memory, so that a GPU's
 // core has room for more workgroups.
 // Shared memory: 8 TILE_SAMPLES with ONE_VECTOR or MANY_SLOTS, else 0; 12 TILE_SAMPLES with VARIATION.
+
+const float kVolumeUnits = 134217728.0;  // units per cell area times Tile::deepest; 2^27 leaves room for sixteen surfaces above each other
+const float kCoveredUnits = 1048576.0;   // units per cell area
+const float kLeastDepth = 1e-9;          // m
+
+// A list of cells that need more work than the others.
+const uint kMostListed = (TILE_SAMPLES + 3u) / 4u;
+shared uint listed_cells[AREA ? kMostListed : 1u];
 
 shared uint cell_squares[VARIATION ? TILE_SAMPLES : 1u];
 
@@ -75,4 +84,53 @@ void clearSums(uint address) {
   if (!VARIATION) return;
   cell_squares[address] = 0;
   clearMoment(address);
+}
+
+// Integrals over a part of a cell, of the cell's area. Places are in widths of the cell, from its middle.
+struct CellSums {
+  float volume;   // of the depth, m
+  float covered;  // of 1
+  float square;   // of the depth's square, m^2; like the moment only with VARIATION
+  vec2 moment;    // of depth times place, m
+};
+
+void addSums(inout CellSums sums, CellSums more, float factor) {
+  sums.volume += factor * more.volume;
+  sums.covered += factor * more.covered;
+  if (!VARIATION) return;
+  sums.square += factor * more.square;
+  sums.moment += factor * more.moment;
+}
+
+void divideSums(inout CellSums sums, float by) {
+  sums.volume /= by;
+  sums.covered /= by;
+  if (!VARIATION) return;
+  sums.square /= by;
+  sums.moment /= by;
+}
+
+// Adds integrals to the sums of a cell. `alone`: no two invocations add to one cell at a time.
+void addToSums(Tile tile, uint address, CellSums sums, bool subtract, bool alone) {
+  float units = kVolumeUnits / tile.deepest;
+  ivec2 more = ivec2(round(vec2(sums.volume * units, sums.covered * kCoveredUnits)));
+  if (VARIATION) {
+    float side = subtract ? -units : units;
+    atomicAdd(cell_squares[address], uint(int(round(sums.square * side / tile.deepest))));
+    addMoment(address, ivec2(round(sums.moment * side)));
+  }
+  addVolume(address, subtract ? -more : more, alone);
+}
+
+// The integrals of a cell; its sums begin anew.
+CellSums takeSums(Tile tile, uint address) {
+  float unit = tile.deepest / kVolumeUnits;
+  ivec2 volume = volumeOf(address);
+  CellSums sums = CellSums(float(volume.x) * unit, float(volume.y) * (1.0 / kCoveredUnits), 0.0, vec2(0));
+  if (VARIATION) {
+    sums.square = float(int(cell_squares[address])) * unit * tile.deepest;
+    sums.moment = vec2(momentOf(address)) * unit;
+  }
+  clearSums(address);
+  return sums;
 }

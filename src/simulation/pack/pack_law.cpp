@@ -4,8 +4,6 @@
 #include <bit>
 #include <cmath>
 
-#include "contact_elastic_layer_variants.h"
-#include "contact_winkler_variants.h"
 #include "mass_spring_damper_variants.h"
 #include "proximity_variants.h"
 #include "sensor/deformation_mask.h"
@@ -26,9 +24,7 @@ struct AddLaw {
   }
   void operator()(const DeformationMask& law) const { packed.taxel_parameters = {static_cast<float>(law.saturation_pressure)}; }
   void operator()(const Proximity&) const { packed.taxel_passes = {{"proximity", k_proximity_variants, TaxelPass::Owner::kTile}}; }
-  void operator()(const ElasticLayer&) const {
-    packed = {.kernel = "contact_elastic_layer", .spirv = k_contact_elastic_layer_variants, .reach = reach};
-  }
+  void operator()(const ElasticLayer&) const { packed = {.reach = reach}; }
   void operator()(const LuGre& law) const {
     packed.has_bristles = true;
     packed.bristles = {static_cast<float>(law.bristle_stiffness), static_cast<float>(law.bristle_damping),
@@ -41,9 +37,7 @@ struct AddLaw {
 
 PackedLaw packLaw(const Skin& skin, float reach) {
   const Winkler foundation = foundationOf(skin);
-  PackedLaw packed{.kernel = "contact_winkler",
-                   .spirv = k_contact_winkler_variants,
-                   .parameters = {static_cast<float>(foundation.normal_contact_stiffness), static_cast<float>(foundation.normal_exponent),
+  PackedLaw packed{.parameters = {static_cast<float>(foundation.normal_contact_stiffness), static_cast<float>(foundation.normal_exponent),
                                   static_cast<float>(foundation.normal_damping)},
                    .has_state = foundation.normal_damping > 0};
   std::visit(AddLaw{packed, reach * static_cast<float>(skin.thickness)}, skin.law);

@@ -1,4 +1,4 @@
-// Contact law -> its variant of the contact pass, its passes over taxels and their parameters.
+// Contact law -> parameters of the contact pass, its passes over taxels and their parameters.
 #pragma once
 
 #include <array>
@@ -24,10 +24,8 @@ struct TaxelPass {
 };
 
 struct PackedLaw {
-  std::string kernel;  // of the contact pass
-  gpu::ShaderVariants spirv;
   float reach = 0;                          // surfaces matter up to this height over the skin, m
-  std::array<float, 3> parameters{};        // LAW_0 to LAW_2 of shaders/passes/contact.h
+  std::array<float, 3> parameters{};        // STIFFNESS, EXPONENT, DAMPING of shaders/passes/contact.h
   bool has_state = false;                   // the law needs the depth of every sample in the step before
   bool has_bristles = false;                // shear by shaders/skin/laws/lugre.glsl
   std::array<float, 6> bristles{};          // BRISTLE_STIFFNESS to STRIBECK_VELOCITY of shaders/passes/contact.h

@@ -3,15 +3,15 @@
 #pragma once
 
 #include "simulation/model_data.h"
-#include "simulation/passes/contact.h"
 #include "simulation/passes/kernel_cache.h"
 #include "simulation/passes/recorder.h"
+#include "simulation/passes/tile_plan.h"
 
 namespace taxelsim {
 
 class CandidatePasses {
  public:
-  CandidatePasses(const ModelData& model, const ContactPass& contact) : model_(model), contact_(contact) {}
+  CandidatePasses(const ModelData& model, const TilePlan& tiles) : model_(model), tiles_(tiles) {}
 
   // Afterwards the lists of block Work say which instances the contact pass processes with candidates and which without.
   void record(Recorder& recorder, bool with_jacobian) const;
@@ -29,7 +29,7 @@ class CandidatePasses {
   Kernels makeKernels(const Variant& variant) const;
 
   const ModelData& model_;
-  const ContactPass& contact_;
+  const TilePlan& tiles_;
   KernelCache<Variant, Kernels> kernels_;
 };
 

@@ -24,8 +24,22 @@ struct CommonConstants {
 #include "passes/common.h"
 };
 
+struct DepthConstants {
+#include "passes/depth.h"
+};
+
 struct ContactInterface {
+  DepthConstants depth;
+  template <typename Id>
+  static auto constantAt(Id id) -> decltype(DepthConstants::constantAt(id));
 #include "passes/contact.h"
+};
+
+struct HeightsInterface {
+  DepthConstants depth;
+  template <typename Id>
+  static auto constantAt(Id id) -> decltype(DepthConstants::constantAt(id));
+#include "passes/heights.h"
 };
 
 struct KeepCandidatesInterface {

@@ -1,5 +1,5 @@
-// Constants of the contact pass that follow from those of contact.h. They leave out what a model, sensor
-// or batch does not need (driver/README.md).
+// Constants that follow from those of passes/depth.h. They leave out the code that a model, sensor or batch does not need
+// (driver/README.md).
 
 #include "driver/constants.glsl"
 
