@@ -17,7 +17,7 @@
 // Deterministic: the tile is a minimum of integers, which sum cells; LANES partial sums are added in a fixed order, whatever the size of
 // the workgroup.
 // Mutable globals: own_partial (common/partial_sums.glsl), own_shear (skin/friction.glsl); any_unfinished_loop, num_iterations
-// (driver/loop_limit.glsl); the planes of a polyhedron (depth/polyhedron.glsl).
+// (driver/loops.glsl); the planes of a polyhedron (depth/polyhedron.glsl).
 // Twins: src/reference/depth.cpp, contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp, load.cpp.
 
 #include "driver/barrier.glsl"
@@ -37,7 +37,7 @@ const bool kAllHeights = false;
 #include "common/instances.glsl"
 #include "common/work_lists.glsl"
 #include "common/partial_sums.glsl"
-#include "driver/loop_limit.glsl"
+#include "driver/loops.glsl"
 #include "depth/tile.glsl"
 #include "depth/slots.glsl"
 #include "depth/tile_heights.glsl"

@@ -13,7 +13,7 @@
 // Parts without force skip all scans but the first. The row of an only region is written with the sensor's (hasOnlyRegion()).
 // Shared memory: 4 PARTIALS + 4 bytes.
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of team and workgroup.
-// Mutable globals: is_clean; any_unfinished_loop (driver/loop_limit.glsl).
+// Mutable globals: is_clean; any_unfinished_loop (driver/loops.glsl).
 // Twin: src/reference/contact_features.cpp.
 
 #include "shared/batch.h"
@@ -28,7 +28,7 @@ bool is_clean;  // whether features are those of the clean forces
 
 #include "common/workgroup.glsl"
 #include "common/instances.glsl"
-#include "driver/loop_limit.glsl"
+#include "driver/loops.glsl"
 #include "features/moments.glsl"
 #include "features/taxel_words.glsl"
 #include "features/contact_parts.glsl"

@@ -10,7 +10,7 @@
 //      REGIONS), largest first, with kOnlyRegion; features: the number of all regions (num_instances). region_sums, likewise, is scratch.
 // Shared memory: 16 WORKGROUP / TEAM bytes.
 // Deterministic: a region is named by its lowest taxel, whatever order taxels are united in; forces are summed as integers.
-// Mutable globals: is_clean; any_unfinished_loop (driver/loop_limit.glsl); the words of the rows (features/region_bits.glsl).
+// Mutable globals: is_clean; any_unfinished_loop (driver/loops.glsl); the words of the rows (features/region_bits.glsl).
 // Twin: src/reference/contact_features.cpp.
 
 #include "shared/batch.h"
@@ -35,7 +35,7 @@ struct Instance {
 #include "common/workgroup.glsl"
 #include "common/instances.glsl"
 #include "driver/whole.glsl"
-#include "driver/loop_limit.glsl"
+#include "driver/loops.glsl"
 #include "readout/readout.glsl"
 
 // Barrier after which a team's writes to buffers and shared memory are visible to all of it.

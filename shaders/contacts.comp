@@ -10,7 +10,7 @@
 //      (num_instances x num_tiles), the whole result in that of the first tile; features of contacts outside the taxels.
 // Shared memory: none.
 // Deterministic: forces are added in the order in which the contacts were given.
-// Mutable globals: any_unfinished_loop (driver/loop_limit.glsl).
+// Mutable globals: any_unfinished_loop (driver/loops.glsl).
 // Twin: src/reference/contact_points.cpp.
 
 #include "shared/batch.h"
@@ -22,7 +22,7 @@
 #include "common/workgroup.glsl"
 #include "common/instances.glsl"
 #include "common/transform.glsl"
-#include "driver/loop_limit.glsl"
+#include "driver/loops.glsl"
 #include "depth/contact_places.glsl"
 
 // Sums over the contacts of an instance.

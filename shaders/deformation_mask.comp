@@ -11,7 +11,7 @@
 //      tile only around the window of its result. law_state (num_instances x num_taxels), .x: force before it is scaled, N.
 // Shared memory: 8 PARTIALS bytes.
 // Deterministic: sums run over at most LANES partial sums in a fixed order, whatever the size of team and workgroup.
-// Mutable globals: any_unfinished_loop (driver/loop_limit.glsl).
+// Mutable globals: any_unfinished_loop (driver/loops.glsl).
 // Twin: src/reference/taxel_laws.cpp.
 
 #include "shared/batch.h"
@@ -21,7 +21,7 @@
 
 #include "common/workgroup.glsl"
 #include "common/instances.glsl"
-#include "driver/loop_limit.glsl"
+#include "driver/loops.glsl"
 
 const bool WHOLE_ARRAY = false;
 const uint kContactMargin = 0u, kSpreadRadius = 1u;

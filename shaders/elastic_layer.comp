@@ -21,7 +21,7 @@
 // compliances of dents; with friction their shear traction.
 // Shared memory: 16 LANES + 8 NODE_ROWS + 12 bytes; with friction 8 LANES + 512 bytes more.
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
-// Mutable globals: any_unfinished_loop (driver/loop_limit.glsl); own_partial (common/partial_sums.glsl), own_shear (skin/friction.glsl).
+// Mutable globals: any_unfinished_loop (driver/loops.glsl); own_partial (common/partial_sums.glsl), own_shear (skin/friction.glsl).
 // Twins: src/reference/elastic_layer.cpp, relaxation.cpp, friction.cpp.
 
 #include "driver/barrier.glsl"
@@ -44,7 +44,7 @@ shared uint num_deep;  // nodes of taxels at full depth
 #include "common/instances.glsl"
 #include "common/transform.glsl"
 #include "common/partial_sums.glsl"
-#include "driver/loop_limit.glsl"
+#include "driver/loops.glsl"
 #include "depth/slots.glsl"
 #include "common/node_cells.glsl"
 

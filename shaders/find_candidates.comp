@@ -8,7 +8,7 @@
 // Out: candidates (num_instances), candidate_quads (num_instances x kMaxCandidates), work lists.
 // Shared memory: 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 12 bytes.
 // Deterministic: the order of candidates varies, which does not affect heights.
-// Mutable globals: any_unfinished_loop (driver/loop_limit.glsl).
+// Mutable globals: any_unfinished_loop (driver/loops.glsl).
 
 #include "driver/barrier.glsl"
 #include "shared/batch.h"
@@ -29,7 +29,7 @@ shared uint num_found;
 #include "driver/whole.glsl"
 #include "common/transform.glsl"
 #include "common/work_lists.glsl"
-#include "driver/loop_limit.glsl"
+#include "driver/loops.glsl"
 #include "depth/tile.glsl"
 #include "depth/bodies.glsl"
 #include "depth/subpixels.glsl"

@@ -10,7 +10,7 @@
 // Out: twist_gradient (num_instances x 6), per m and per rad; gain_gradient (num_instances x num_taxels).
 // Shared memory: 4 PARTIALS bytes.
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of team, workgroup and batch.
-// Mutable globals: any_unfinished_loop (driver/loop_limit.glsl), small_kernel (features/spread_change.glsl).
+// Mutable globals: any_unfinished_loop (driver/loops.glsl), small_kernel (features/spread_change.glsl).
 // Twin: taxelsim.vjp() (python/taxelsim/gradients.py) contracts the spread forces' derivatives in double precision.
 
 #include "shared/batch.h"
@@ -20,7 +20,7 @@
 const uint kTeams = WORKGROUP / TEAM;
 
 #include "common/workgroup.glsl"
-#include "driver/loop_limit.glsl"
+#include "driver/loops.glsl"
 #include "features/spread_change.glsl"
 #include "features/part_sums.glsl"
 #include "features/team_sums.glsl"

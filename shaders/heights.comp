@@ -14,7 +14,7 @@
 // Shared memory: 4 TILE_SAMPLES (17 with AREA, 25 with ONE_VECTOR or MANY_SLOTS, too) + 4 kClustersPerBatch + 4 GROUPS_PER_BATCH
 //      + 4 REPEAT + 56 bytes; ONE_VECTOR 16 NUM_FACES, AREA with meshes 4 kMostFacets.
 // Deterministic: the tile is a minimum of integers, which sum cells.
-// Mutable globals: any_unfinished_loop, num_iterations (driver/loop_limit.glsl); the planes of a polyhedron (depth/polyhedron.glsl).
+// Mutable globals: any_unfinished_loop, num_iterations (driver/loops.glsl); the planes of a polyhedron (depth/polyhedron.glsl).
 // Reference: src/reference/depth.cpp, layer_cells.cpp.
 
 #include "driver/barrier.glsl"
@@ -34,7 +34,7 @@ const uint MOST_ITERATIONS = 0u;     // no second dispatch
 #include "common/workgroup.glsl"
 #include "common/instances.glsl"
 #include "common/work_lists.glsl"
-#include "driver/loop_limit.glsl"
+#include "driver/loops.glsl"
 #include "depth/tile.glsl"
 #include "depth/slots.glsl"
 #include "depth/tile_heights.glsl"

@@ -12,7 +12,7 @@
 // State: taxel_states (num_instances x states x num_taxels), readout/lag.glsl; image_windows (num_instances).
 // Shared memory: 4 PARTIALS bytes.
 // Deterministic: sums run over at most LANES partial sums in a fixed order, whatever the size of team and workgroup.
-// Mutable globals: any_unfinished_loop (driver/loop_limit.glsl).
+// Mutable globals: any_unfinished_loop (driver/loops.glsl).
 // Twins: src/reference/psf.cpp, lag.cpp, imperfections.cpp, readout.cpp, features.cpp.
 
 #include "shared/batch.h"
@@ -26,7 +26,7 @@
 #include "common/instances.glsl"
 #include "driver/whole.glsl"
 #include "common/philox.glsl"
-#include "driver/loop_limit.glsl"
+#include "driver/loops.glsl"
 
 const uint kContactMargin = MARGIN, kSpreadRadius = KERNEL / 2;
 #include "readout/image_window.glsl"

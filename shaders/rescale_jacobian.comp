@@ -16,7 +16,7 @@
 
 #include "common/workgroup.glsl"
 #include "common/instances.glsl"
-#include "driver/loop_limit.glsl"
+#include "driver/loops.glsl"
 
 void main() {
   uint number = workgroupNumber() * WORKGROUP + gl_LocalInvocationIndex;

@@ -11,7 +11,7 @@
 // Out: features (block after block, each num_instances x num_rows x components x 6, then the wrench's, shared/features.h).
 // Shared memory: 4 PARTIALS bytes.
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of team and workgroup.
-// Mutable globals: any_unfinished_loop (driver/loop_limit.glsl), small_kernel (features/spread_change.glsl).
+// Mutable globals: any_unfinished_loop (driver/loops.glsl), small_kernel (features/spread_change.glsl).
 // Twin: src/reference/feature_jacobian.cpp.
 
 #include "shared/batch.h"
@@ -28,7 +28,7 @@ const uint kTeams = WORKGROUP / TEAM;
 #include "common/workgroup.glsl"
 #include "common/instances.glsl"
 #include "common/philox.glsl"
-#include "driver/loop_limit.glsl"
+#include "driver/loops.glsl"
 #include "readout/imperfections.glsl"
 #include "features/axes.glsl"
 #include "features/jacobian_parts.glsl"

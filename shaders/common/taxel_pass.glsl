@@ -8,7 +8,7 @@
 
 #include "common/workgroup.glsl"
 #include "common/instances.glsl"
-#include "driver/loop_limit.glsl"
+#include "driver/loops.glsl"
 
 // Number of this invocation over the whole batch.
 uint invocationNumber() { return workgroupNumber() * WORKGROUP + gl_LocalInvocationIndex; }

@@ -1,6 +1,6 @@
 // Which tiles a workgroup computes, one after another: REPEAT of all tiles or of a list of instances (shared/candidates.h).
 //
-// Some drivers end the loops of an invocation after a number of iterations in total (driver/loop_limit.glsl), and a tile under a fine mesh
+// Some drivers end the loops of an invocation after a number of iterations in total (driver/loops.glsl), and a tile under a fine mesh
 // may take a large part of them, but few tiles do. With MOST_ITERATIONS a workgroup that has taken so many leaves its other tiles to a
 // second dispatch of the same kernel, whose workgroups take one tile each.
 // In, out: work, work_instances.

@@ -79,21 +79,19 @@ float complianceOf(Surface surface, uvec2 node) {
   return max(ownCompliance(cell.share) + POINT_COMPLIANCE * mutual * inversesqrt(cell.share), kLeastCompliance);
 }
 
+vec4 compliancesOver(Surface surface, uvec2 at) {
+  vec4 more = vec4(0);
+  for (uint c = 0; c < kStrip; ++c) {
+    uvec2 node = uvec2(at.x, at.y + c);
+    more[c] = isReached(surface, node) ? complianceOf(surface, node) - 1.0 : 0.0;
+  }
+  return more;
+}
+
 // Stores the compliances of the window.
 void setCompliances(Surface surface, Window window) {
   if (!AREA) return;
-  uint k = gl_LocalInvocationIndex;
-  if (k < window.num_strips) do {
-      uvec2 at = stripAt(window, k);
-      vec4 more = vec4(0);
-      for (uint c = 0; c < kStrip; ++c) {
-        uvec2 node = uvec2(at.x, at.y + c);
-        more[c] = isReached(surface, node) ? complianceOf(surface, node) - 1.0 : 0.0;
-      }
-      writeStrip(window, kLayerCompliance, at, more);
-      k += WORKGROUP;
-    } while (k < window.num_strips);
-  checkLoop(k < window.num_strips);
+  FOR_EACH_STRIP(window, writeStrip(window, kLayerCompliance, at, compliancesOver(surface, at)))
   workgroupBarrierWithBuffers();
 }
 

@@ -31,7 +31,7 @@ vec4 displacementAt(Window window, uvec2 at, uint array) {
       uint source = stripAddress(window.layer_start, array, uvec2(row, strip * kStrip));
       vec4 next = floatsOfFour(Influence, entry);
       do {
-        // Two strips of sources: some drivers limit the iterations of loops (driver/loop_limit.glsl).
+        // Two strips of sources: some drivers limit the iterations of loops (driver/loops.glsl).
         bool is_pair = strip + 1u < end;
         vec4 past = floatsOfFour(Influence, entry - 1u), before = floatsOfFour(Influence, entry - (is_pair ? 2u : 1u));
         vec4 x = uintBitsToFloat(loadFour(LayerStrips, source)), y = uintBitsToFloat(loadFour(LayerStrips, source + (is_pair ? 1u : 0u)));

@@ -61,12 +61,7 @@ vec4 pressedOver(Window window, uvec2 at) { return whereAbove(readStrip(window, 
 // Makes the nodes in contact the sources.
 void addPressedSources(Window window) {
   clearSources();
-  uint k = gl_LocalInvocationIndex;
-  if (k < window.num_strips) do {
-      if (sumOf(pressedOver(window, stripAt(window, k))) > 0.0) addSource(stripAt(window, k));
-      k += WORKGROUP;
-    } while (k < window.num_strips);
-  checkLoop(k < window.num_strips);
+  FOR_EACH_STRIP(window, if (sumOf(pressedOver(window, at)) > 0.0) addSource(at))
   workgroupBarrierWithBuffers();
 }
 
@@ -91,18 +86,7 @@ vec2 storeCellRates(Surface surface, Window window, uvec2 at, float shift, vec3 
 
 // Stores the rates of all cells of the window; returns the sum of pressure times the velocity of its place.
 vec2 storeCellRates(Surface surface, Window window, float shift, vec3 v, vec3 w) {
-  uint part = gl_LocalInvocationIndex;
-  if (part < window.num_parts) do {
-      vec2 moved = vec2(0);
-      uint k = part;
-      do {
-        if (k < window.num_strips) moved += storeCellRates(surface, window, stripAt(window, k), shift, v, w);
-        k += LANES;
-      } while (k - part < window.num_strips);
-      checkLoop(k < window.num_strips);
-      setPartial(part, vec4(moved, 0, 0));
-      part += WORKGROUP;
-    } while (WORKGROUP < LANES && part < window.num_parts);
+  REDUCE_STRIPS(window, vec4(0), sums.xy += storeCellRates(surface, window, at, shift, v, w))
   return sumOfPartials(window.num_parts).xy;
 }
 
@@ -123,123 +107,83 @@ float residualRate(Surface surface, Window window, uvec2 node, float shift, vec3
   return AREA ? rate - complianceRate(surface, window, node) * pressureAt(window, node) : rate;
 }
 
+// Sets the residual of a strip to the rate of the overlap at the nodes in contact. Returns the squared residual.
+float beginRates(Surface surface, Window window, uvec2 at, float shift, vec3 v, vec3 w) {
+  vec4 pressed = pressedOver(window, at), rate = vec4(0);
+  for (uint c = 0; c < kStrip; ++c) {
+    if (pressed[c] > 0.0) rate[c] = residualRate(surface, window, uvec2(at.x, at.y + c), shift, v, w);
+  }
+  writeStrip(window, kLayerResidual, at, rate);
+  return dot(rate, weighted(window, at, rate));
+}
+
+void beginDirection(Window window, uvec2 at) {
+  writeStrip(window, kLayerTarget, at, vec4(0));
+  writeStrip(window, kLayerDirection, at, weighted(window, at, readStrip(window, kLayerResidual, at)));
+}
+
 // Starts at dp = 0: the residual is the rate of the overlap over the nodes in contact. Returns the squared residual.
 float beginRates(Surface surface, Window window, float shift, vec3 v, vec3 w) {
-  uint part = gl_LocalInvocationIndex;
-  if (part < window.num_parts) do {
-      float squares = 0.0;
-      uint k = part;
-      do {
-        if (k < window.num_strips) {
-          uvec2 at = stripAt(window, k);
-          vec4 pressed = pressedOver(window, at), rate = vec4(0);
-          for (uint c = 0; c < kStrip; ++c) {
-            if (pressed[c] > 0.0) rate[c] = residualRate(surface, window, uvec2(at.x, at.y + c), shift, v, w);
-          }
-          writeStrip(window, kLayerResidual, at, rate);
-          squares += dot(rate, weighted(window, at, rate));
-        }
-        k += LANES;
-      } while (k - part < window.num_strips);
-      checkLoop(k < window.num_strips);
-      setPartial(part, vec4(squares, 0, 0, 0));
-      part += WORKGROUP;
-    } while (WORKGROUP < LANES && part < window.num_parts);
+  REDUCE_STRIPS(window, vec4(0), sums.x += beginRates(surface, window, at, shift, v, w))
   float squares = sumOfPartials(window.num_parts).x;
-  uint k = gl_LocalInvocationIndex;
-  if (k < window.num_strips) do {
-      uvec2 at = stripAt(window, k);
-      writeStrip(window, kLayerTarget, at, vec4(0));
-      writeStrip(window, kLayerDirection, at, weighted(window, at, readStrip(window, kLayerResidual, at)));
-      k += WORKGROUP;
-    } while (k < window.num_strips);
-  checkLoop(k < window.num_strips);
+  FOR_EACH_STRIP(window, beginDirection(window, at))
   workgroupBarrierWithBuffers();
   return squares;
+}
+
+// Applies A to the direction of a strip at the nodes in contact; returns the curvature along it.
+float applyToRates(Window window, uvec2 at) {
+  vec4 q = displacementAt(window, at, kLayerDirection) * pressedOver(window, at);
+  writeStrip(window, kLayerProduct, at, q);
+  return dot(q, readStrip(window, kLayerDirection, at));
 }
 
 // Applies A to the direction over the nodes in contact; returns the curvature along it.
 float applyToRates(Window window) {
-  uint part = gl_LocalInvocationIndex;
-  if (part < window.num_parts) do {
-      float curvature = 0.0;
-      uint k = part;
-      do {
-        if (k < window.num_strips) {
-          uvec2 at = stripAt(window, k);
-          vec4 q = displacementAt(window, at, kLayerDirection) * pressedOver(window, at);
-          writeStrip(window, kLayerProduct, at, q);
-          curvature += dot(q, readStrip(window, kLayerDirection, at));
-        }
-        k += LANES;
-      } while (k - part < window.num_strips);
-      checkLoop(k < window.num_strips);
-      setPartial(part, vec4(curvature, 0, 0, 0));
-      part += WORKGROUP;
-    } while (WORKGROUP < LANES && part < window.num_parts);
+  REDUCE_STRIPS(window, vec4(0), sums.x += applyToRates(window, at))
   return sumOfPartials(window.num_parts).x;
 }
 
+// Steps a strip along the direction. Returns its squared residual.
+float stepRates(Window window, uvec2 at, float step_length) {
+  vec4 residual = readStrip(window, kLayerResidual, at) - readStrip(window, kLayerProduct, at) * step_length;
+  writeStrip(window, kLayerTarget, at, readStrip(window, kLayerTarget, at) + readStrip(window, kLayerDirection, at) * step_length);
+  writeStrip(window, kLayerResidual, at, residual);
+  return dot(residual, weighted(window, at, residual));
+}
+
+void turnDirection(Window window, uvec2 at, float beta) {
+  vec4 residual = weighted(window, at, readStrip(window, kLayerResidual, at));
+  vec4 direction = residual + readStrip(window, kLayerDirection, at) * beta;
+  writeStrip(window, kLayerDirection, at, direction);
+}
+
 // One iteration; takes and returns the squared residual.
-float stepRates(Window window, float squared_residual) {
+float iterateRates(Window window, float squared_residual) {
   float curvature = applyToRates(window);
   float step_length = curvature > 0.0 ? squared_residual / curvature : 0.0;
-  uint part = gl_LocalInvocationIndex;
-  if (part < window.num_parts) do {
-      float squares = 0.0;
-      uint k = part;
-      do {
-        if (k < window.num_strips) {
-          uvec2 at = stripAt(window, k);
-          vec4 residual = readStrip(window, kLayerResidual, at) - readStrip(window, kLayerProduct, at) * step_length;
-          writeStrip(window, kLayerTarget, at, readStrip(window, kLayerTarget, at) + readStrip(window, kLayerDirection, at) * step_length);
-          writeStrip(window, kLayerResidual, at, residual);
-          squares += dot(residual, weighted(window, at, residual));
-        }
-        k += LANES;
-      } while (k - part < window.num_strips);
-      checkLoop(k < window.num_strips);
-      setPartial(part, vec4(squares, 0, 0, 0));
-      part += WORKGROUP;
-    } while (WORKGROUP < LANES && part < window.num_parts);
+  REDUCE_STRIPS(window, vec4(0), sums.x += stepRates(window, at, step_length))
   float squares = sumOfPartials(window.num_parts).x;
-  uint k = gl_LocalInvocationIndex;
-  if (k < window.num_strips) do {
-      uvec2 at = stripAt(window, k);
-      vec4 residual = weighted(window, at, readStrip(window, kLayerResidual, at));
-      vec4 direction = residual + readStrip(window, kLayerDirection, at) * (squares / squared_residual);
-      writeStrip(window, kLayerDirection, at, direction);
-      k += WORKGROUP;
-    } while (k < window.num_strips);
-  checkLoop(k < window.num_strips);
+  FOR_EACH_STRIP(window, turnDirection(window, at, squares / squared_residual))
   workgroupBarrierWithBuffers();
   return squares;
+}
+
+// Adds a strip to the sums of changes of pressure and of these times x and y of P.
+void addChanges(Surface surface, Window window, uvec2 at, inout vec4 sums) {
+  vec4 change = readStrip(window, kLayerTarget, at);
+  float x = nodePosition(at).x;
+  sums += vec4(sumOf(change), sumOf(change) * x, dot(change, columnPositions(at)), 0);
+  if (AREA) {
+    StripCells cells = cellsOver(surface, at);
+    sums.yz += vec2(dot(change, cells.x), dot(change, cells.y));
+  }
 }
 
 // Writes the wrench's derivative by coordinate `c` of the sensor's twist. `moved`: the sum of pressure times the velocity of its place, m
 // per unit. `origin`: of P in S, m.
 void writeWrenchJacobian(uint instance, Surface surface, Window window, uint c, vec2 moved, mat3 R_SP, vec3 origin, float node_force) {
-  uint part = gl_LocalInvocationIndex;
-  if (part < window.num_parts) do {
-      vec3 sums = vec3(0);  // changes of pressure, these times x and y of P
-      uint k = part;
-      do {
-        if (k < window.num_strips) {
-          uvec2 at = stripAt(window, k);
-          vec4 change = readStrip(window, kLayerTarget, at);
-          float x = nodePosition(at).x;
-          sums += vec3(sumOf(change), sumOf(change) * x, dot(change, columnPositions(at)));
-          if (AREA) {
-            StripCells cells = cellsOver(surface, at);
-            sums.yz += vec2(dot(change, cells.x), dot(change, cells.y));
-          }
-        }
-        k += LANES;
-      } while (k - part < window.num_strips);
-      checkLoop(k < window.num_strips);
-      setPartial(part, vec4(sums, 0));
-      part += WORKGROUP;
-    } while (WORKGROUP < LANES && part < window.num_parts);
+  REDUCE_STRIPS(window, vec4(0), addChanges(surface, window, at, sums))
   vec4 sums = (sumOfPartials(window.num_parts) + vec4(0, moved, 0)) * node_force;
   if (gl_LocalInvocationIndex != 0) return;
   vec3 force = R_SP * vec3(0, 0, -sums.x), torque = R_SP * vec3(-sums.z, sums.y, 0) + cross(origin, force);
@@ -286,7 +230,7 @@ void writeJacobian(uint instance, Surface surface, Window window, float shift, f
     float first = beginRates(surface, window, shift, v, w);
     float squared_residual = first;
     for (uint n = 0; n < kMaxJacobianIterations && squared_residual > kJacobianTolerance * first; ++n) {
-      squared_residual = stepRates(window, squared_residual);
+      squared_residual = iterateRates(window, squared_residual);
     }
     workgroupBarrierWithBuffers();
     writeWrenchJacobian(instance, surface, window, c, moved, transpose(R_PS), origin, node_force);

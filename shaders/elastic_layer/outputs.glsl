@@ -48,35 +48,26 @@ uvec4 writeTaxels(uint instance, Surface surface, Window window, uvec4 pressed, 
   return uvec4(first.x, first.x + count.x, first.y, first.y + count.y);
 }
 
-// Adds to num_deep the nodes of taxels at full depth. Returns the sums over the window of pressure, pressure times x and y of P, and
-// pressure on taxels.
+// Adds a strip to the sums of pressure, pressure times x and y of P, and pressure on taxels, and its nodes of taxels at full depth to
+// `deep`.
+void addPressures(Surface surface, Window window, uvec2 at, float shift, inout vec4 sums, inout float deep) {
+  vec4 p = readStrip(window, kLayerPressure, at), overlap = readStrip(window, kLayerTarget, at), on_taxels = onTaxels(at);
+  if (RELAXATION > 0) overlap = overlapsOver(surface, at);
+  float sum = sumOf(p), x = nodePosition(at).x;
+  sums += vec4(sum, sum * x, dot(p, columnPositions(at)), dot(p, on_taxels));
+  if (AREA) {
+    StripCells cells = cellsOver(surface, at);
+    sums.yz += vec2(dot(p, cells.x), dot(p, cells.y));
+    on_taxels *= whereAbove(cells.share, kLeastShareOfFull);
+  }
+  deep += dot(on_taxels, whereAbove(overlap + shift, AREA ? kFullDepth : 0.9999999));
+}
+
+// Adds to num_deep the nodes of taxels at full depth. Returns the sums of addPressures() over the window.
 vec4 sumPressures(Surface surface, Window window, float shift) {
-  uint v = gl_LocalInvocationIndex;
-  if (v < window.num_parts) do {
-      vec4 sums = vec4(0);
-      float deep = 0.0;
-      uint k = v;
-      do {
-        if (k < window.num_strips) {
-          uvec2 at = stripAt(window, k);
-          vec4 p = readStrip(window, kLayerPressure, at), overlap = readStrip(window, kLayerTarget, at), on_taxels = onTaxels(at);
-          if (RELAXATION > 0) overlap = overlapsOver(surface, at);
-          float sum = sumOf(p), x = nodePosition(at).x;
-          sums += vec4(sum, sum * x, dot(p, columnPositions(at)), dot(p, on_taxels));
-          if (AREA) {
-            StripCells cells = cellsOver(surface, at);
-            sums.yz += vec2(dot(p, cells.x), dot(p, cells.y));
-            on_taxels *= whereAbove(cells.share, kLeastShareOfFull);
-          }
-          deep += dot(on_taxels, whereAbove(overlap + shift, AREA ? kFullDepth : 0.9999999));
-        }
-        k += LANES;
-      } while (k - v < window.num_strips);
-      checkLoop(k < window.num_strips);
-      setPartial(v, sums);
-      if (deep > 0.0) atomicAdd(num_deep, uint(deep));
-      v += WORKGROUP;
-    } while (WORKGROUP < LANES && v < window.num_parts);
+  float deep = 0.0;
+  REDUCE_STRIPS(window, vec4(0), addPressures(surface, window, at, shift, sums, deep))
+  if (deep > 0.0) atomicAdd(num_deep, uint(deep));
   return sumOfPartials(window.num_parts);
 }
 

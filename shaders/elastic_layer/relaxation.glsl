@@ -31,43 +31,31 @@ vec4 dentCompliance(Window window, uvec2 at) {
   return clamp(then, min(now, 0.0), max(now, 0.0));
 }
 
+// Lowers the targets of a strip by the displacement of the dents in kLayerDirection. Returns the largest target.
+float lowerTargets(SkinStep step, Window window, uvec2 at) {
+  // kNoTarget is so large that the difference rounds to it.
+  vec4 target = readStrip(window, kLayerTarget, at) - displacementAt(window, at, kLayerDirection);
+  if (AREA && !step.is_new) {
+    // The displacement has the compliances of what is covered now.
+    vec4 other = dentCompliance(window, at) - readStrip(window, kLayerCompliance, at);
+    target -= other * readStrip(window, kLayerDirection, at);
+  }
+  writeStrip(window, kLayerTarget, at, target);
+  return largestOf(target);
+}
+
 // Lowers the targets of the window by the displacement of the dents, which are left in kLayerDirection. Returns the largest target,
 // kNoTarget without any.
 float lowerTargetsByDents(SkinStep step, Window window) {
   clearSources();
-  uint k = gl_LocalInvocationIndex;
-  if (k < kNumStrips) do {
-      uvec2 at = stripNumbered(k);
-      vec4 dent = dentAt(step, window.layer_start, at);
-      writeStrip(window, kLayerDirection, at, dent);
-      if (largestOf(dent) > 0.0) addSource(at);
-      k += WORKGROUP;
-    } while (k < kNumStrips);
-  checkLoop(k < kNumStrips);
+  FOR_EACH(kNumStrips, {
+    uvec2 at = stripNumbered(k);
+    vec4 dent = dentAt(step, window.layer_start, at);
+    writeStrip(window, kLayerDirection, at, dent);
+    if (largestOf(dent) > 0.0) addSource(at);
+  })
   workgroupBarrierWithBuffers();
-  uint v = gl_LocalInvocationIndex;
-  if (v < window.num_parts) do {
-      float deepest = kNoTarget;
-      uint k = v;
-      do {
-        if (k < window.num_strips) {
-          uvec2 at = stripAt(window, k);
-          // kNoTarget is so large that the difference rounds to it.
-          vec4 target = readStrip(window, kLayerTarget, at) - displacementAt(window, at, kLayerDirection);
-          if (AREA && !step.is_new) {
-            // The displacement has the compliances of what is covered now.
-            vec4 other = dentCompliance(window, at) - readStrip(window, kLayerCompliance, at);
-            target -= other * readStrip(window, kLayerDirection, at);
-          }
-          writeStrip(window, kLayerTarget, at, target);
-          deepest = max(deepest, largestOf(target));
-        }
-        k += LANES;
-      } while (k - v < window.num_strips);
-      checkLoop(k < window.num_strips);
-      setPartial(v, vec4(deepest));
-      v += WORKGROUP;
-    } while (WORKGROUP < LANES && v < window.num_parts);
+  REDUCE_STRIPS(window, vec4(kNoTarget), sums.x = max(sums.x, lowerTargets(step, window, at)))
   return largestOfPartials(window.num_parts);
 }
 
@@ -82,23 +70,19 @@ void updateDentCompliance(SkinStep step, uint layer_start, uvec2 at, vec4 dent) 
   writeStrip(layer_start, kLayerDentCompliance, at, dentComplianceAfter(then, dent, now, pressure));
 }
 
-// Updates strain and overstresses of all nodes under the pressures of the solution.
-void updateSkin(SkinStep step, uint layer_start) {
-  uint k = gl_LocalInvocationIndex;
-  if (k < kNumStrips) do {
-      uvec2 at = stripNumbered(k);
-      vec4 before = vec4(0);
-      if (!step.is_new) before = readStrip(layer_start, kLayerStrain, at);
-      vec4 dent = dentAt(step, layer_start, at), strain = dent + readStrip(layer_start, kLayerPressure, at);
-      if (AREA) updateDentCompliance(step, layer_start, at, dent);
-      vec4 added = strain - before;
-      for (uint term = 0; term < RELAXATION; ++term) {
-        vec4 h = added * step.growth[term];
-        if (!step.is_new) h += faded(step, term, readStrip(layer_start, kLayerOverstress + term, at));
-        writeStrip(layer_start, kLayerOverstress + term, at, h);
-      }
-      writeStrip(layer_start, kLayerStrain, at, strain);
-      k += WORKGROUP;
-    } while (k < kNumStrips);
-  checkLoop(k < kNumStrips);
+void updateSkin(SkinStep step, uint layer_start, uvec2 at) {
+  vec4 before = vec4(0);
+  if (!step.is_new) before = readStrip(layer_start, kLayerStrain, at);
+  vec4 dent = dentAt(step, layer_start, at), strain = dent + readStrip(layer_start, kLayerPressure, at);
+  if (AREA) updateDentCompliance(step, layer_start, at, dent);
+  vec4 added = strain - before;
+  for (uint term = 0; term < RELAXATION; ++term) {
+    vec4 h = added * step.growth[term];
+    if (!step.is_new) h += faded(step, term, readStrip(layer_start, kLayerOverstress + term, at));
+    writeStrip(layer_start, kLayerOverstress + term, at, h);
+  }
+  writeStrip(layer_start, kLayerStrain, at, strain);
 }
+
+// Updates strain and overstresses of all nodes under the pressures of the solution.
+void updateSkin(SkinStep step, uint layer_start) { FOR_EACH(kNumStrips, updateSkin(step, layer_start, stripNumbered(k))) }

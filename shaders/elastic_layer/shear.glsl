@@ -30,13 +30,7 @@ vec2 tractionAt(uint instance, uvec2 node) {
 // The rectangle of nodes outside which there is no pressure: first row, end row, first col, end col.
 uvec4 pressedNodes(Window window) {
   clearSources();
-  uint k = gl_LocalInvocationIndex;
-  if (k < window.num_strips) do {
-      uvec2 at = stripAt(window, k);
-      if (largestOf(readStrip(window, kLayerPressure, at)) > 0.0) addSource(at);
-      k += WORKGROUP;
-    } while (k < window.num_strips);
-  checkLoop(k < window.num_strips);
+  FOR_EACH_STRIP(window, if (largestOf(readStrip(window, kLayerPressure, at)) > 0.0) addSource(at))
   workgroupBarrierWithBuffers();
   uvec2 rows = sourceRows();
   if (rows.x == rows.y) return uvec4(0);

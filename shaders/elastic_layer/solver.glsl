@@ -47,91 +47,78 @@ void updateSolution(Window window, Drive drive, inout Solution found) {
   found.shift += mean;
 }
 
+// Updates the residual of a strip by the displacement of kLayerProduct. Returns its residualSums().
+vec4 updateResidual(Window window, uvec2 at, float factor, float shift) {
+  vec4 p = readStrip(window, kLayerPressure, at);
+  vec4 residual = readStrip(window, kLayerResidual, at) + displacementAt(window, at, kLayerProduct);
+  if (LOADS) {
+    vec4 target = readStrip(window, kLayerTarget, at);
+    p *= factor;
+    // Unchanged for a factor of 1: an instance that is driven by its pose must not depend on others of the batch that are driven by load.
+    if (factor != 1.0) residual = (residual + target) * factor - target;
+    writeStrip(window, kLayerPressure, at, p);
+  }
+  writeStrip(window, kLayerResidual, at, residual);
+  return residualSums(window, at, p, residual - shift);
+}
+
 // Updates the residual by the displacements of kLayerProduct over the sources. With a load, multiplies pressures and displacements by
 // `factor` and updates the shift. Updates all of `found`.
 void updateResidual(Window window, Drive drive, float factor, inout Solution found) {
-  uint v = gl_LocalInvocationIndex;
-  if (v < window.num_parts) do {
-      vec4 sums = vec4(0);
-      uint k = v;
-      do {
-        if (k < window.num_strips) {
-          uvec2 at = stripAt(window, k);
-          vec4 p = readStrip(window, kLayerPressure, at);
-          vec4 residual = readStrip(window, kLayerResidual, at) + displacementAt(window, at, kLayerProduct);
-          if (LOADS) {
-            vec4 target = readStrip(window, kLayerTarget, at);
-            p *= factor;
-            // Unchanged for a factor of 1: an instance that is driven by its pose must not depend on others of the batch that are driven by
-            // load.
-            if (factor != 1.0) residual = (residual + target) * factor - target;
-            writeStrip(window, kLayerPressure, at, p);
-          }
-          writeStrip(window, kLayerResidual, at, residual);
-          sums += residualSums(window, at, p, residual - found.shift);
-        }
-        k += LANES;
-      } while (k - v < window.num_strips);
-      checkLoop(k < window.num_strips);
-      setPartial(v, sums);
-      v += WORKGROUP;
-    } while (WORKGROUP < LANES && v < window.num_parts);
+  REDUCE_STRIPS(window, vec4(0), sums += updateResidual(window, at, factor, found.shift))
   updateSolution(window, drive, found);
+}
+
+// Updates the search direction of a strip. Returns the sum of r times t.
+float updateDirection(Window window, uvec2 at, float shift, float beta) {
+  vec4 pressed = whereAbove(readStrip(window, kLayerPressure, at), 0.0);
+  if (sumOf(pressed) > 0.0) addSource(at);
+  vec4 residual = pressed * (readStrip(window, kLayerResidual, at) - shift);
+  vec4 t = weighted(window, at, residual) + pressed * readStrip(window, kLayerDirection, at) * beta;
+  writeStrip(window, kLayerDirection, at, t);
+  return dot(residual, t);
 }
 
 // Search direction t = r + beta t over the nodes in contact, which become the sources. Leaves the sum of r times t in the x component of
 // the partial sums.
 void updateDirection(Window window, float shift, float beta) {
-  uint v = gl_LocalInvocationIndex;
-  if (v < window.num_parts) do {
-      float descent = 0.0;
-      uint k = v;
-      do {
-        if (k < window.num_strips) {
-          uvec2 at = stripAt(window, k);
-          vec4 pressed = whereAbove(readStrip(window, kLayerPressure, at), 0.0);
-          if (sumOf(pressed) > 0.0) addSource(at);
-          vec4 residual = pressed * (readStrip(window, kLayerResidual, at) - shift);
-          vec4 t = weighted(window, at, residual) + pressed * readStrip(window, kLayerDirection, at) * beta;
-          writeStrip(window, kLayerDirection, at, t);
-          descent += dot(residual, t);
-        }
-        k += LANES;
-      } while (k - v < window.num_strips);
-      checkLoop(k < window.num_strips);
-      setPartial(v, vec4(descent, 0, 0, 0));
-      v += WORKGROUP;
-    } while (WORKGROUP < LANES && v < window.num_parts);
+  REDUCE_STRIPS(window, vec4(0), sums.x += updateDirection(window, at, shift, beta))
 }
 
-// Applies A to the direction: q = A t over the window. Returns the step length (r t) / (t q), from the sums that updateDirection() left.
+// Applies A to the direction of a strip: q = A t. Adds q times t to sums.y, and for a load, over the nodes in contact, q and t to sums.zw.
+void applyToDirection(Window window, uvec2 at, bool by_load, inout vec4 sums) {
+  vec4 q = displacementAt(window, at, kLayerDirection);
+  writeStrip(window, kLayerProduct, at, q);
+  vec4 t = readStrip(window, kLayerDirection, at);
+  sums.y += dot(q, t);
+  if (LOADS && by_load) {
+    sums.z += sumOf(weighted(window, at, q * whereAbove(readStrip(window, kLayerPressure, at), 0.0)));
+    sums.w += sumOf(t);
+  }
+}
+
+// Applies A to the direction over the window. Returns the step length (r t) / (t q), from the sums that updateDirection() left.
 float applyToDirection(Window window, Drive drive, float num_pressed) {
-  uint v = gl_LocalInvocationIndex;
-  if (v < window.num_parts) do {
-      vec4 sums = vec4(partialAt(v).x, 0, 0, 0);  // r times t; then over the nodes in contact q times t, q, t
-      uint k = v;
-      do {
-        if (k < window.num_strips) {
-          uvec2 at = stripAt(window, k);
-          vec4 q = displacementAt(window, at, kLayerDirection);
-          writeStrip(window, kLayerProduct, at, q);
-          vec4 t = readStrip(window, kLayerDirection, at);
-          sums.y += dot(q, t);
-          if (LOADS && drive.by_load) {
-            sums.z += sumOf(weighted(window, at, q * whereAbove(readStrip(window, kLayerPressure, at), 0.0)));
-            sums.w += sumOf(t);
-          }
-        }
-        k += LANES;
-      } while (k - v < window.num_strips);
-      checkLoop(k < window.num_strips);
-      setPartial(v, sums);
-      v += WORKGROUP;
-    } while (WORKGROUP < LANES && v < window.num_parts);
+  REDUCE_STRIPS(window, vec4(partialAt(part).x, 0, 0, 0), applyToDirection(window, at, drive.by_load, sums))
   vec4 sums = sumOfPartials(window.num_parts);
   // With a free shift, the mean of q does not count.
   float curvature = LOADS && drive.by_load ? sums.y - sums.z * sums.w / max(num_pressed, 1.0) : sums.y;
   return curvature > 0.0 ? max(sums.x / curvature, 0.0) : 0.0;
+}
+
+// Takes the step of a strip. Returns the sum of its pressures, and the sum of residuals of the nodes that it presses.
+vec2 takeStep(Window window, uvec2 at, float shift, float step_length, float press) {
+  vec4 unshifted = readStrip(window, kLayerResidual, at), residual = unshifted - shift;
+  vec4 plain = readStrip(window, kLayerPressure, at) - readStrip(window, kLayerDirection, at) * step_length;
+  vec4 entering = (1.0 - whereAbove(plain, 0.0)) * max(-residual, 0.0);
+  entering = weighted(window, at, entering);
+  vec4 p = max(plain, 0.0) + press * entering;
+  vec4 change = p - plain;
+  if (largestOf(change) > 0.0) addSource(at);
+  writeStrip(window, kLayerPressure, at, p);
+  writeStrip(window, kLayerResidual, at, unshifted - readStrip(window, kLayerProduct, at) * step_length);
+  writeStrip(window, kLayerProduct, at, change);
+  return vec2(sumOf(p), sumOf(entering));
 }
 
 // Takes the step p - step_length t, releases nodes that it would pull, and presses nodes that are penetrated. Leaves in kLayerProduct the
@@ -140,31 +127,7 @@ float applyToDirection(Window window, Drive drive, float num_pressed) {
 vec2 takeStep(Window window, float shift, float step_length) {
   // The first node in contact has no step length; its own compliance, 1, is the scale.
   float press = step_length > 0.0 ? step_length : 1.0;
-  uint v = gl_LocalInvocationIndex;
-  if (v < window.num_parts) do {
-      vec2 sums = vec2(0);
-      uint k = v;
-      do {
-        if (k < window.num_strips) {
-          uvec2 at = stripAt(window, k);
-          vec4 unshifted = readStrip(window, kLayerResidual, at), residual = unshifted - shift;
-          vec4 plain = readStrip(window, kLayerPressure, at) - readStrip(window, kLayerDirection, at) * step_length;
-          vec4 entering = (1.0 - whereAbove(plain, 0.0)) * max(-residual, 0.0);
-          entering = weighted(window, at, entering);
-          vec4 p = max(plain, 0.0) + press * entering;
-          vec4 change = p - plain;
-          if (largestOf(change) > 0.0) addSource(at);
-          writeStrip(window, kLayerPressure, at, p);
-          writeStrip(window, kLayerResidual, at, unshifted - readStrip(window, kLayerProduct, at) * step_length);
-          writeStrip(window, kLayerProduct, at, change);
-          sums += vec2(sumOf(p), sumOf(entering));
-        }
-        k += LANES;
-      } while (k - v < window.num_strips);
-      checkLoop(k < window.num_strips);
-      setPartial(v, vec4(sums, 0, 0));
-      v += WORKGROUP;
-    } while (WORKGROUP < LANES && v < window.num_parts);
+  REDUCE_STRIPS(window, vec4(0), sums.xy += takeStep(window, at, shift, step_length, press))
   return sumOfPartials(window.num_parts).xy;
 }
 

@@ -75,18 +75,7 @@ uvec4 reachedNodes(uint instance) {
 
 // The lowest height over the window, m; kMiss without any.
 float lowestHeight(Surface surface, Window window) {
-  uint v = gl_LocalInvocationIndex;
-  if (v < window.num_parts) do {
-      float highest = -kMiss;
-      uint k = v;
-      do {
-        if (k < window.num_strips) highest = max(highest, largestOf(-heightsOver(surface, stripAt(window, k))));
-        k += LANES;
-      } while (k - v < window.num_strips);
-      checkLoop(k < window.num_strips);
-      setPartial(v, vec4(highest));
-      v += WORKGROUP;
-    } while (WORKGROUP < LANES && v < window.num_parts);
+  REDUCE_STRIPS(window, vec4(-kMiss), sums.x = max(sums.x, largestOf(-heightsOver(surface, at))))
   return -largestOfPartials(window.num_parts);
 }
 

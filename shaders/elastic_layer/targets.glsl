@@ -46,35 +46,22 @@ Window reachedWindow(uint instance, Surface surface) {
 // Sets the targets to the overlaps with the surface that are above `limit`.
 void setTargets(Surface surface, float limit, inout Window window) {
   clearSources();
-  uint k = gl_LocalInvocationIndex;
-  if (k < window.num_strips) do {
-      setTarget(window, stripAt(window, k), overlapsOver(surface, stripAt(window, k)), limit);
-      k += WORKGROUP;
-    } while (k < window.num_strips);
-  checkLoop(k < window.num_strips);
+  FOR_EACH_STRIP(window, setTarget(window, at, overlapsOver(surface, at), limit))
   shrinkWindow(surface, window);
 }
 
 // Keeps the targets that are above `limit`.
 void limitTargets(Surface surface, float limit, inout Window window) {
   clearSources();
-  uint k = gl_LocalInvocationIndex;
-  if (k < window.num_strips) do {
-      setTarget(window, stripAt(window, k), readStrip(window, kLayerTarget, stripAt(window, k)), limit);
-      k += WORKGROUP;
-    } while (k < window.num_strips);
-  checkLoop(k < window.num_strips);
+  FOR_EACH_STRIP(window, setTarget(window, at, readStrip(window, kLayerTarget, at), limit))
   shrinkWindow(surface, window);
 }
 
 // Clears the pressures outside the window; all of them in the first step.
 void clearPressures(Window window, bool first_step) {
-  uint k = gl_LocalInvocationIndex;
-  if (k < kNumStrips) do {
-      uvec2 at = stripNumbered(k);
-      if (first_step || !isInWindow(window, at)) writeStrip(window, kLayerPressure, at, vec4(0));
-      k += WORKGROUP;
-    } while (k < kNumStrips);
-  checkLoop(k < kNumStrips);
+  FOR_EACH(kNumStrips, {
+    uvec2 at = stripNumbered(k);
+    if (first_step || !isInWindow(window, at)) writeStrip(window, kLayerPressure, at, vec4(0));
+  })
   workgroupBarrierWithBuffers();
 }

@@ -77,7 +77,21 @@ uvec2 sourceRows() {
 // First and end of the strips of a row that has sources, in strips.
 uvec2 sourcesOfRow(uint row) { return rangeOf(source_strips[row], kStripsPerBit, kRowStrips); }
 
+// Runs `statement` for each strip of the window; `at`: the strip.
+#define FOR_EACH_STRIP(window, statement) \
+  FOR_EACH(window.num_strips, {           \
+    uvec2 at = stripAt(window, k);        \
+    statement;                            \
+  })
+
 // ---- reductions ----
+
+// Reduces the strips of the window to its partial sums: `statement` updates `sums` by the strip `at`.
+#define REDUCE_STRIPS(window, initial, statement)        \
+  REDUCE(window.num_parts, window.num_strips, initial, { \
+    uvec2 at = stripAt(window, k);                       \
+    statement;                                           \
+  })
 
 vec4 partialAt(uint v) { return kInRegisters ? own_partial : partial[v]; }
 

@@ -113,7 +113,7 @@ PartSums sumPart(uint kinds, Part part, vec3 middle, float force, Ridge ridge) {
   do {
     PartSums sums = noSums();
     uint four = part.first / 4u + v;
-    // The parts of one patch have the same range, so that the loop may test at its end (driver/loop_limit.glsl).
+    // The parts of one patch have the same range, so that the loop may test at its end (driver/loops.glsl).
     while (kOnePatch || 4u * four < part.end) {
       if (4u * four < part.end) addFour(kinds, part, four, middle, force, ridge, sums);
       four += LANES;

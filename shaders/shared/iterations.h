@@ -1,5 +1,5 @@
 // Loop iterations that work takes, as estimated: by the host, which gives a workgroup no more than the driver permits, and by the contact
-// pass, which counts those of the tiles so far (shaders/driver/loop_limit.glsl).
+// pass, which counts those of the tiles so far (shaders/driver/loops.glsl).
 #ifndef TAXELSIM_SHADERS_SHARED_ITERATIONS_H
 #define TAXELSIM_SHADERS_SHARED_ITERATIONS_H
 
