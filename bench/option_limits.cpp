@@ -18,12 +18,12 @@ constexpr double kInstanceBytes = 32;  // the same, InstanceRecord: drive and ke
 
 // ---- depths: shaders/depth/ ----
 
-// analytic.glsl, a cylinder: y of the sample 2; ray into O, of which x and z are those of the row, 1 + 6; insideInfiniteCylinder(): middle
+// solids.glsl, a cylinder: y of the sample 2; ray into O, of which x and z are those of the row, 1 + 6; insideInfiniteCylinder(): middle
 // 4, closest point 4, distance 4, reach 2, both ends 2; slab() 4.
 constexpr double kCylinderSample = 2 + 7 + 16 + 4;
 // mesh.glsl, boxReaches(): middle 9, half size 6, boundsOfImage(), box in samples 8, height 3.
 constexpr double kBox = 9 + 6 + kBounds + 8 + 3;
-constexpr double kBoxesOfGroup = 32, kQuadsOfBox = 4;  // shaders/shared/objects.h
+constexpr double kBoxesOfGroup = 32, kQuadsOfBox = 4;  // shaders/shared/model.h
 constexpr double kQuadFetch = 4 * (3 + kTransform);    // mesh.glsl, vertexOf() of four vertices
 // raster.glsl, rasterBySamples(): origin 8, three edge functions 9, areas 10, slopes 10, steps 12.
 constexpr double kQuadSetup = 8 + 9 + 10 + 10 + 12;
@@ -38,7 +38,7 @@ constexpr double kEdgeCell = 4 * (7 + 24 + 2) + 2;
 constexpr double kGiveCell = 5;  // cell_depths.glsl, giveCell()
 // facets.glsl: corners in cells 16 per quad; per triangle facetOf() 17 and ratesOf() of three edges 12.
 constexpr double kQuadInCells = 16, kFacet = 17 + 3 * 4;
-// edge_sums.glsl, addEdge() of three edges 46 each; facets.glsl, addOutlineCell(): centroid 4, depth 6, integrals 1, addToSums() 4.
+// facets.glsl, addEdge() of three edges 46 each, addOutlineCell(): centroid 4, depth 6, integrals 1, addToSums() 4.
 constexpr double kFacetCell = 3 * 46 + 4 + 6 + 1 + 4;
 constexpr double kTakeSums = 2;  // cell_depths.glsl, takeSums()
 // How depths vary over a cell, where friction, an exponent or elastic_layer needs it: integralInside() 24; per line 26 + 4 + 3; second
@@ -69,17 +69,17 @@ constexpr double kFeatureBytes = 36 * kWord;              // shaders/shared/feat
 
 constexpr double kRectangleBytes = 2 * 16;  // shaders/skin/sample_states.glsl: a rectangle of taxels, read and written
 constexpr double kInOut = 2 * kWord;        // a word of state, read and written
-constexpr double kDampingSample = 2 + 2;    // tile_pressures.glsl, depthRate(); winkler.glsl, damping
+constexpr double kDampingSample = 2 + 2;    // tile_pressures.glsl, depthRate(); law.glsl, damping
 constexpr double kMotionBytes = 64;         // shaders/shared/batch.h, MotionRecord
-constexpr double kCone = 11;                // shaders/skin/cone.glsl
+constexpr double kCone = 11;                // shaders/common/transform.glsl
 // friction.glsl, shearTraction(): displacement, share of the step 1; tile_pressures.glsl, addPoint(): factor 1, sums 10.
 constexpr double kDraggedSample = kTransform + 1 + 1 + 10;
 constexpr double kSpringSample = 6 + 1 + kCone;  // friction.glsl, springTraction() and its cap
-// lugre.glsl, bristleShear(): length, direction and speed 8, Stribeck's curve 4, g and x 4, relaxed() 18, state 8, traction 12, cone,
+// law.glsl, bristleShear(): length, direction and speed 8, Stribeck's curve 4, g and x 4, relaxed() 18, state 8, traction 12, cone,
 // pressure 2; two exponentials.
 constexpr double kBristleSample = 8 + 4 + 4 + 18 + 8 + 12 + kCone + 2 + 2 * kExponential;
 constexpr double kShearTaxel = 2 + 3 + 3 + 2;       // tile_pressures.glsl, writeTaxel()
-constexpr double kRelaxSample = 7, kRelaxTerm = 6;  // relaxation.glsl, skinAt(), relaxedPressure(), updateSkin(); per term
+constexpr double kRelaxSample = 7, kRelaxTerm = 6;  // sample_states.glsl, skinAt(), relaxedPressure(), updateSkin(); per term
 
 // mass_spring_damper.comp: distance from rest 1, two rows of exp(A dt) 6, state 2, scale 1.
 constexpr double kMassTaxel = 1 + 6 + 2 + 1;

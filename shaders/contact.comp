@@ -16,86 +16,20 @@
 //      TILE_SAMPLES.
 // Deterministic: the tile is a minimum of integers, which sum cells; LANES partial sums are added in a fixed order, whatever the size of
 // the workgroup.
-// Mutable globals: own_partial (common/partial_sums.glsl), own_shear (skin/friction.glsl); any_unfinished_loop, num_iterations
-// (driver/loops.glsl); the planes of a polyhedron (depth/polyhedron.glsl).
+// Mutable globals: own_partial (driver/workgroup.glsl), own_shear (skin/friction.glsl); any_unfinished_loop, num_iterations
+// (driver/loops.glsl); the planes of a polyhedron (depth/solids.glsl).
 // Twins: src/reference/depth.cpp, contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp, load.cpp.
 
-#include "driver/barrier.glsl"
-#include "driver/vector_sums.glsl"
 #include "passes/declare.glsl"
 #include "passes/depth.h"
 #include "passes/contact.h"
-#include "passes/depth.glsl"
 
-const float kMiss = kNoHeight;  // height where there is no surface
-const float REACH = 0.0;        // surfaces over the skin do not press
+const float REACH = 0.0;  // surfaces over the skin do not press
 const bool kAllHeights = false;
 
-#include "driver/whole.glsl"
-#include "common/transform.glsl"
-#include "common/workgroup.glsl"
 #include "common/instances.glsl"
-#include "common/work_lists.glsl"
-#include "common/partial_sums.glsl"
-#include "driver/loops.glsl"
-#include "depth/tile.glsl"
-#include "depth/slots.glsl"
-#include "depth/tile_heights.glsl"
-#include "depth/polyhedron.glsl"
-#include "depth/analytic.glsl"
-#include "skin/laws/winkler.glsl"
-
-const bool kShears = FRICTION;
-const bool kManyMotions = kKeepsSlots && MANY_SLOTS;
-
-#include "depth/bodies.glsl"
-#include "depth/round_part.glsl"
-#include "depth/subpixels.glsl"
-#include "depth/mesh.glsl"
-#include "depth/area/cell_sums.glsl"
 #include "depth/area/cell_depths.glsl"
-#include "depth/area.glsl"
-#include "depth/raster.glsl"
-#include "depth/heights.glsl"
-#include "skin/sample_states.glsl"
-#include "skin/relaxation.glsl"
-#include "skin/load_search.glsl"
-#include "skin/friction.glsl"
-#include "skin/laws/lugre.glsl"
-#include "skin/cell_points.glsl"
-#include "skin/cell_fluxes.glsl"
-#include "depth/touched_taxels.glsl"
 #include "skin/tile_pressures.glsl"
-#include "skin/tile_result.glsl"
-#include "depth/tile_sequence.glsl"
-#include "depth/untouched_tiles.glsl"
-
-// Whether this dispatch processes the instance. One without an object is processed as if it had the first of the model.
-bool hasKind(uint instance) {
-  if (!SELECTS_KINDS) return true;
-  return (OBJECT_KINDS & (1u << objectOf(max(objectInSlot(instance), 0)).kind_groups.x)) != 0;
-}
-
-// Loads a tile. False when the load search of its instance has ended, and for an instance that is held or of another dispatch: its results
-// stay.
-bool beginTile(uint instance, uint tile_number, out Tile tile) {
-  tile = loadTile(tile_number);
-  tile.z_base = -THICKNESS;
-  if (isHeld(instance) || !hasKind(instance)) return false;
-  if (RANDOM_SKIN) tile.force_area *= instanceRecord(instance).skin.x;
-  if (SEARCH == kSearchInTile && (instanceRecord(instance).keys.w & kFlagLoadDriven) != 0) tile.z_limit = kMiss;
-  if (SEARCH == kSearchOverTiles) {
-    float status = loads[instance].bracket.w;
-    if (status == kLoadCarried || status == kLoadOutOfReach) return false;
-  }
-  if (SEARCH >= kSearchOverTiles && (instanceRecord(instance).keys.w & kFlagLoadDriven) != 0) {
-    tile.offset_z = loads[instance].bracket.x;
-    tile.level = -loads[instance].forces.z * tile.X_PS.row2.z;
-    tile.z_base += tile.level;
-    tile.z_limit += tile.level;
-  }
-  return true;
-}
 
 // One frame of one tile.
 void computeTile(uint instance, uint tile_number, uint num_slots) {
@@ -125,7 +59,7 @@ void computeTile(uint instance, uint tile_number, uint num_slots) {
   TileStep step = beginPressures(tile, instance, tile_number, num_slots, reach, taxels, load_driven, search_here);
   pressTaxels(tile, step, taxels, found);
   clearTaxels(tile, instance, step.result, taxels, gl_LocalInvocationIndex, WORKGROUP);
-  writeTileResult(tile, step, taxels, samples);
+  writeTileResult(tile, step.result, step.state, step.skin, taxels, samples);
 }
 
 void main() {

@@ -16,9 +16,7 @@
 // Mutable globals: is_clean; any_unfinished_loop (driver/loops.glsl).
 // Twin: src/reference/contact_features.cpp.
 
-#include "shared/batch.h"
 #include "shared/features.h"
-#include "shared/sensor.h"
 #include "passes/declare.glsl"
 #include "passes/contact_features.h"
 
@@ -26,7 +24,6 @@ const uint kTeams = WORKGROUP / TEAM;
 
 bool is_clean;  // whether features are those of the clean forces
 
-#include "common/workgroup.glsl"
 #include "common/instances.glsl"
 #include "driver/loops.glsl"
 #include "features/moments.glsl"

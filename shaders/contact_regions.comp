@@ -13,9 +13,7 @@
 // Mutable globals: is_clean; any_unfinished_loop (driver/loops.glsl); the words of the rows (features/region_bits.glsl).
 // Twin: src/reference/contact_features.cpp.
 
-#include "shared/batch.h"
 #include "shared/features.h"
-#include "shared/sensor.h"
 #include "passes/declare.glsl"
 #include "passes/contact_regions.h"
 
@@ -32,9 +30,8 @@ struct Instance {
   uint end;          // of its taxels; 0 where there is nothing to do
 };
 
-#include "common/workgroup.glsl"
 #include "common/instances.glsl"
-#include "driver/whole.glsl"
+#include "driver/arithmetic.glsl"
 #include "driver/loops.glsl"
 #include "readout/readout.glsl"
 

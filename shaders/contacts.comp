@@ -13,13 +13,10 @@
 // Mutable globals: any_unfinished_loop (driver/loops.glsl).
 // Twin: src/reference/contact_points.cpp.
 
-#include "shared/batch.h"
 #include "shared/features.h"
-#include "shared/sensor.h"
 #include "passes/declare.glsl"
 #include "passes/contacts.h"
 
-#include "common/workgroup.glsl"
 #include "common/instances.glsl"
 #include "common/transform.glsl"
 #include "driver/loops.glsl"

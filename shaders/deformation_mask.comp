@@ -14,12 +14,9 @@
 // Mutable globals: any_unfinished_loop (driver/loops.glsl).
 // Twin: src/reference/taxel_laws.cpp.
 
-#include "shared/batch.h"
-#include "shared/sensor.h"
 #include "passes/declare.glsl"
 #include "passes/deformation_mask.h"
 
-#include "common/workgroup.glsl"
 #include "common/instances.glsl"
 #include "driver/loops.glsl"
 

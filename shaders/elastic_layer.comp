@@ -21,36 +21,27 @@
 // compliances of dents; with friction their shear traction.
 // Shared memory: 16 LANES + 8 NODE_ROWS + 12 bytes; with friction 8 LANES + 512 bytes more.
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
-// Mutable globals: any_unfinished_loop (driver/loops.glsl); own_partial (common/partial_sums.glsl), own_shear (skin/friction.glsl).
+// Mutable globals: any_unfinished_loop (driver/loops.glsl); own_partial (driver/workgroup.glsl), own_shear (skin/friction.glsl).
 // Twins: src/reference/elastic_layer.cpp, relaxation.cpp, friction.cpp.
 
-#include "driver/barrier.glsl"
-#include "driver/vector_sums.glsl"
-#include "shared/batch.h"
+#include "passes/declare.glsl"
 #include "shared/elastic_layer.h"
 #include "shared/features.h"
-#include "shared/sensor.h"
-#include "passes/declare.glsl"
 #include "passes/elastic_layer.h"
 
-const float kMiss = kNoHeight;  // height where there is no surface
-const bool kShears = FRICTION;
-const bool FLAT = false;  // the patch's frame may be any
+const bool FLAT = false;       // the patch's frame may be any
+const bool MANY_SLOTS = true;  // heights may hold the slots of several objects
 
 shared uint num_deep;  // nodes of taxels at full depth
 
-#include "driver/whole.glsl"
-#include "common/workgroup.glsl"
+#include "driver/arithmetic.glsl"
 #include "common/instances.glsl"
 #include "common/transform.glsl"
-#include "common/partial_sums.glsl"
+#include "driver/workgroup.glsl"
 #include "driver/loops.glsl"
 #include "depth/slots.glsl"
 #include "common/node_cells.glsl"
 
-const bool kManyMotions = kKeepsSlots;
-
-#include "skin/friction.glsl"
 #include "skin/skin_step.glsl"
 #include "elastic_layer/strip.glsl"
 #include "elastic_layer/window.glsl"
@@ -82,12 +73,12 @@ void solveInstance(uint instance, uint num_instances, uint num_slots) {
   Window window = reachedWindow(instance, surface);
   workgroupBarrierWithBuffers();
   float lowest = lowestHeight(surface, window);
-  bool no_surface = lowest >= kMiss;
+  bool no_surface = lowest >= kNoHeight;
   if (by_load) surface.origin = lowest;
   float deepest = by_load ? 0.0 : min(-lowest / THICKNESS, 1.0);
   // Next to a dent the skin may bulge and touch anywhere within its reach.
   float limit = by_load ? -(1.0 + REACH) : RELAXATION > 0 ? -REACH : -REACH * max(deepest, 0.0);
-  setTargets(surface, no_surface ? kMiss : limit, window);
+  setTargets(surface, no_surface ? kNoHeight : limit, window);
   if (RELAXATION > 0) {
     setCompliances(surface, window);
     float lowered = lowerTargetsByDents(skin, window);

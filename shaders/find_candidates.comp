@@ -10,38 +10,20 @@
 // Deterministic: the order of candidates varies, which does not affect heights.
 // Mutable globals: any_unfinished_loop (driver/loops.glsl).
 
-#include "driver/barrier.glsl"
-#include "shared/batch.h"
-#include "shared/candidates.h"
-#include "shared/objects.h"
-#include "shared/sensor.h"
 #include "passes/declare.glsl"
 #include "passes/find_candidates.h"
 
 const float kMinShare = 0.25;      // of the planned steps; with a smaller share the instance gives up
 const float kStepsWithout = 32.0;  // steps until an instance that has given up tries again
 
-const float kMiss = kNoHeight;
-
 shared uint num_found;
 
-#include "common/workgroup.glsl"
-#include "driver/whole.glsl"
-#include "common/transform.glsl"
 #include "common/work_lists.glsl"
 #include "driver/loops.glsl"
-#include "depth/tile.glsl"
-#include "depth/bodies.glsl"
-#include "depth/subpixels.glsl"
-
-struct Found {
-  uint first_candidate;  // of the instance, in candidate_quads
-};
-
 #include "depth/mesh.glsl"
 
 // Lists the quad if a sample may see it after any motion within the bounds.
-void visitQuad(Tile tile, MeshView view, uint quad, inout Found found) {
+void visitQuad(Tile tile, MeshView view, uint quad, uint first_candidate) {
   Vertex p, q, r, s;
   fetchQuad(view, quad, p, q, r, s);
   const ivec2 kRounding = ivec2(2);  // of vertices to units, with a margin
@@ -49,13 +31,20 @@ void visitQuad(Tile tile, MeshView view, uint quad, inout Found found) {
                     lastReaching(tile, view, max(max(p.at, q.at), max(r.at, s.at)) + view.motion_high + kRounding));
   if (min(min(p.z, q.z), min(r.z, s.z)) >= tile.z_limit || !isAny(reached)) return;
   uint at = atomicAdd(num_found, 1u);
-  if (at < kMaxCandidates) candidate_quads[found.first_candidate + at] = quad;
+  if (at < kMaxCandidates) candidate_quads[first_candidate + at] = quad;
 }
 
-void visitListedQuads(Tile tile, MeshView view, uint count, inout Found found) {
-  uint i = gl_LocalInvocationIndex;
-  for (; i < count; i += WORKGROUP) visitQuad(tile, view, listedQuad(i), found);
-  checkLoop(i < count);
+// Lists the quads of a mesh, in batches of GROUPS_PER_BATCH groups.
+void visitMesh(Tile tile, Body body, MeshView view, uint first_candidate) {
+  uint start = body.kind_groups.y, end_group = start + body.kind_groups.z;
+  do {
+    uint count = listQuads(tile, view, start, end_group), i = gl_LocalInvocationIndex;
+    for (; i < count; i += WORKGROUP) visitQuad(tile, view, listedQuad(i), first_candidate);
+    checkLoop(i < count);
+    workgroupBarrier();
+    start += GROUPS_PER_BATCH;
+  } while (start < end_group);
+  checkLoop(start < end_group);
 }
 
 void findCandidates(Tile tile, uint instance) {
@@ -70,8 +59,7 @@ void findCandidates(Tile tile, uint instance) {
   view.motion_low = ivec2(floor(low.xy * units));
   view.motion_high = ivec2(ceil(high.xy * units));
   tile.z_limit -= low.z;
-  Found found = Found(instance * kMaxCandidates);
-  visitMesh(tile, body, view, found);
+  visitMesh(tile, body, view, instance * kMaxCandidates);
   workgroupBarrier();
   if (lane == 0) {
     bool fits = num_found <= kMaxCandidates;

@@ -13,13 +13,11 @@
 // Mutable globals: any_unfinished_loop (driver/loops.glsl), small_kernel (features/spread_change.glsl).
 // Twin: taxelsim.vjp() (python/taxelsim/gradients.py) contracts the spread forces' derivatives in double precision.
 
-#include "shared/batch.h"
 #include "passes/declare.glsl"
 #include "passes/force_gradient.h"
 
 const uint kTeams = WORKGROUP / TEAM;
 
-#include "common/workgroup.glsl"
 #include "driver/loops.glsl"
 #include "features/spread_change.glsl"
 #include "features/part_sums.glsl"

@@ -8,46 +8,26 @@
 // A workgroup owns REPEAT tiles in sequence; tile number = instance NUM_TILES + tile of the layer. An invocation owns boxes, then quads,
 // then nodes.
 // In:  poses (num_instances x poses of the step), objects, groups, clusters, quads of triangles, faces, the layer's patch and tiles.
-// Out: heights (num_instances x num_nodes), m, in P, with the slot in the lowest bits (depth/slots.glsl), kMiss without a surface; or with
+// Out: heights (num_instances x num_nodes), m, in P, with the slot in the lowest bits (depth/slots.glsl), kNoHeight without a surface; or
+// with
 //      AREA node_cells (num_instances x num_nodes x kNodeCellWords). windows (num_instances x NUM_TILES): the nodes under objects; with
 //      AREA together with those of the run before. Heights outside a window may be undefined on a layer of one tile.
 // Shared memory: 4 TILE_SAMPLES (17 with AREA, 25 with ONE_VECTOR or MANY_SLOTS, too) + 4 kClustersPerBatch + 4 GROUPS_PER_BATCH
 //      + 4 REPEAT + 56 bytes; ONE_VECTOR 16 NUM_FACES, AREA with meshes 4 kMostFacets.
 // Deterministic: the tile is a minimum of integers, which sum cells.
-// Mutable globals: any_unfinished_loop, num_iterations (driver/loops.glsl); the planes of a polyhedron (depth/polyhedron.glsl).
+// Mutable globals: any_unfinished_loop, num_iterations (driver/loops.glsl); the planes of a polyhedron (depth/solids.glsl).
 // Reference: src/reference/depth.cpp, layer_cells.cpp.
 
-#include "driver/barrier.glsl"
-#include "driver/vector_sums.glsl"
 #include "passes/declare.glsl"
 #include "passes/depth.h"
 #include "passes/heights.h"
 
-const float kMiss = kNoHeight;       // height where there is no surface
 const bool OUTPUT_JACOBIAN = false;  // elastic_layer/jacobian.glsl computes it
 const bool kAllHeights = true;       // the Jacobian reads heights over the reach, too
 const uint MOST_ITERATIONS = 0u;     // no second dispatch
 
-#include "passes/depth.glsl"
-#include "driver/whole.glsl"
-#include "common/transform.glsl"
-#include "common/workgroup.glsl"
 #include "common/instances.glsl"
-#include "common/work_lists.glsl"
-#include "driver/loops.glsl"
-#include "depth/tile.glsl"
-#include "depth/slots.glsl"
-#include "depth/tile_heights.glsl"
-#include "depth/polyhedron.glsl"
-#include "depth/analytic.glsl"
-#include "depth/bodies.glsl"
-#include "depth/round_part.glsl"
-#include "depth/subpixels.glsl"
-#include "depth/mesh.glsl"
-#include "depth/area/cell_sums.glsl"
 #include "depth/area/node_cells.glsl"
-#include "depth/area.glsl"
-#include "depth/raster.glsl"
 #include "depth/heights.glsl"
 #include "depth/tile_sequence.glsl"
 
@@ -61,7 +41,7 @@ void clearNode(uint node) {
   if (AREA) {
     node_cells[kNodeCellWords * node + 1u] = 0;
   } else {
-    heights[node] = floatBitsToUint(kMiss);
+    heights[node] = floatBitsToUint(kNoHeight);
   }
 }
 
@@ -76,7 +56,7 @@ void writeNode(Tile tile, OnlyObject only, uint node, uvec2 in_patch, inout Foun
     node_cells[kNodeCellWords * node + 1u] = word >= kNoDepth ? 0u : cell_shares[address];
     node_cells[kNodeCellWords * node + 2u] = cell_variations[address];
   } else {
-    heights[node] = height >= kMiss ? floatBitsToUint(kMiss) : withSlot(tile.z_base + height, slotOf(word));
+    heights[node] = height >= kNoHeight ? floatBitsToUint(kNoHeight) : withSlot(tile.z_base + height, slotOf(word));
   }
 }
 
@@ -116,7 +96,7 @@ void computeTile(uint number, uint num_slots) {
   Tile tile = loadTile(number - instance * NUM_TILES);
   tile.z_base = -THICKNESS;
   bool by_load = SEARCH == kSearchInTile && (instanceRecord(instance).keys.w & kFlagLoadDriven) != 0;
-  if (by_load) tile.z_limit = kMiss;
+  if (by_load) tile.z_limit = kNoHeight;
   if (gl_LocalInvocationIndex == 0) startBoxes();
   Reach reach = objectsNear(tile, instance, num_slots);
   if (AREA && by_load) lowerObjects(tile, instance, num_slots, reach);

@@ -15,16 +15,13 @@
 // Mutable globals: any_unfinished_loop (driver/loops.glsl).
 // Twins: src/reference/psf.cpp, lag.cpp, imperfections.cpp, readout.cpp, features.cpp.
 
-#include "shared/batch.h"
 #include "shared/features.h"
 #include "shared/random.h"
-#include "shared/sensor.h"
 #include "passes/declare.glsl"
 #include "passes/image.h"
 
-#include "common/workgroup.glsl"
 #include "common/instances.glsl"
-#include "driver/whole.glsl"
+#include "driver/arithmetic.glsl"
 #include "common/philox.glsl"
 #include "driver/loops.glsl"
 

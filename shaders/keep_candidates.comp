@@ -14,10 +14,6 @@
 // Shared memory: none.
 // Mutable globals: none.
 
-#include "shared/batch.h"
-#include "shared/candidates.h"
-#include "shared/objects.h"
-#include "shared/sensor.h"
 #include "passes/declare.glsl"
 #include "passes/keep_candidates.h"
 
@@ -29,13 +25,7 @@ const float kMaxMotion = 0.4;       // of the sample spacing, over all these ste
 const float kMinMotion = 1.0 / 64;  // of the sample spacing; bounds of an object at rest
 const float kMinStepsAhead = 3.0;   // fewer do not pay
 
-const float kMiss = kNoHeight;
-
-#include "common/workgroup.glsl"
-#include "driver/whole.glsl"
-#include "common/transform.glsl"
 #include "depth/tile.glsl"
-#include "depth/bodies.glsl"
 #include "common/work_lists.glsl"
 
 float largestOf(vec3 v) { return max(v.x, max(v.y, v.z)); }
@@ -65,8 +55,8 @@ void motionBounds(Tile tile, CandidateRecord before, Affine X_PO, out vec3 low, 
   low = middle - half_size - more;
   high = middle + half_size + more;
   if (a < 0.5) return;
-  low = vec3(-kMiss);
-  high = vec3(kMiss);
+  low = vec3(-kNoHeight);
+  high = vec3(kNoHeight);
 }
 
 // Returns the list for the instance. Writes its CandidateRecord for the next step.

@@ -14,7 +14,6 @@
 // Deterministic: tiles are summed in order.
 // Twin: src/reference/load.cpp.
 
-#include "shared/batch.h"
 #include "passes/declare.glsl"
 #include "passes/load.h"
 
@@ -27,7 +26,6 @@ const float kRestBracket = 1.5e-7;  // m: half of its width where Newton's metho
 const float kNoStep = 1e30;         // m
 const float kNewtonSteps = 20.0;    // evaluations, after which the bracket is narrowed without slopes
 
-#include "common/workgroup.glsl"
 #include "common/instances.glsl"
 
 // Whether a bracket is at most `width` wide, or as narrow as floats allow.

@@ -9,12 +9,9 @@
 // Shared memory: none.
 // Twin: src/reference/tactile_jacobian.cpp.
 
-#include "shared/batch.h"
-#include "shared/sensor.h"
 #include "passes/declare.glsl"
 #include "passes/mask_jacobian.h"
 
-#include "common/workgroup.glsl"
 #include "common/instances.glsl"
 
 void main() {

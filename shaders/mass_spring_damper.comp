@@ -12,7 +12,7 @@
 // Twin: src/reference/taxel_laws.cpp.
 
 #include "common/taxel_pass.glsl"
-#include "skin/cone.glsl"
+#include "common/transform.glsl"
 
 void main() {
   uint number = invocationNumber();

@@ -10,11 +10,9 @@
 // Shared memory: none. Deterministic: taxels are summed in order.
 // Twin: src/reference/tactile_jacobian.cpp.
 
-#include "shared/batch.h"
 #include "passes/declare.glsl"
 #include "passes/rescale_jacobian.h"
 
-#include "common/workgroup.glsl"
 #include "common/instances.glsl"
 #include "driver/loops.glsl"
 

@@ -20,7 +20,6 @@
 #include "passes/declare.glsl"
 #include "passes/servo.h"
 
-#include "common/workgroup.glsl"
 #include "common/instances.glsl"
 #include "servo/sin_cos.glsl"
 #include "servo/poses.glsl"

@@ -9,11 +9,9 @@
 // Mutable global: small_kernel (features/spread_change.glsl).
 // Twin: src/reference/tactile_jacobian.cpp.
 
-#include "shared/batch.h"
 #include "passes/declare.glsl"
 #include "passes/spread_jacobian.h"
 
-#include "common/workgroup.glsl"
 #include "common/instances.glsl"
 #include "features/spread_change.glsl"
 

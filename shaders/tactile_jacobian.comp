@@ -14,18 +14,15 @@
 // Mutable globals: any_unfinished_loop (driver/loops.glsl), small_kernel (features/spread_change.glsl).
 // Twin: src/reference/feature_jacobian.cpp.
 
-#include "shared/batch.h"
 #include "shared/features.h"
 #include "shared/random.h"
-#include "shared/sensor.h"
 #include "passes/declare.glsl"
 #include "passes/tactile_jacobian.h"
 const float BIAS = 0.0;  // for readout/imperfections.glsl; offsets do not enter the derivatives
 
 const uint kTeams = WORKGROUP / TEAM;
 
-#include "driver/whole.glsl"
-#include "common/workgroup.glsl"
+#include "driver/arithmetic.glsl"
 #include "common/instances.glsl"
 #include "common/philox.glsl"
 #include "driver/loops.glsl"

@@ -10,13 +10,10 @@
 // Shared memory: none.
 // Twin: src/reference/tactile_jacobian.cpp.
 
-#include "shared/batch.h"
 #include "shared/features.h"
-#include "shared/sensor.h"
 #include "passes/declare.glsl"
 #include "passes/taxel_jacobian.h"
 
-#include "common/workgroup.glsl"
 #include "common/instances.glsl"
 #include "common/transform.glsl"
 #include "common/patch_pose.glsl"

@@ -10,13 +10,10 @@
 // Shared memory: none.
 // Twin: src/reference/three_axis.cpp.
 
-#include "shared/batch.h"
 #include "shared/random.h"
-#include "shared/sensor.h"
 #include "passes/declare.glsl"
 #include "passes/three_axis.h"
 
-#include "common/workgroup.glsl"
 #include "common/instances.glsl"
 #include "common/philox.glsl"
 

@@ -1,4 +1,4 @@
-// Where a patch is on the sensor. In: patches (shared/sensor.h).
+// Where a patch is on the sensor. In: patches (shared/model.h).
 
 // Patch from sensor.
 Affine patchPose(uint patch_number) {

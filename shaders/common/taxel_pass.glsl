@@ -1,12 +1,9 @@
 // Shared by the passes that some laws run over the taxels between the contact and the image pass: the forces that contact has left (N), and
 // those that the spread takes (N).
 
-#include "shared/batch.h"
-#include "shared/sensor.h"
 #include "passes/declare.glsl"
 #include "passes/taxel_law.h"
 
-#include "common/workgroup.glsl"
 #include "common/instances.glsl"
 #include "driver/loops.glsl"
 

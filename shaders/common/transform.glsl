@@ -1,4 +1,7 @@
-// Rigid and affine maps as three rows (A | b): the image of p is A p + b.
+// Rigid and affine maps as three rows (A | b): the image of p is A p + b. Lengths of vectors.
+#ifndef COMMON_TRANSFORM_GLSL
+#define COMMON_TRANSFORM_GLSL
+
 struct Affine {
   vec4 row0, row1, row2;
 };
@@ -30,3 +33,14 @@ void boundsOfImage(Affine X, vec3 center, vec3 half_size, out vec3 image_center,
   image_center = apply(X, center);
   image_half = vec3(dot(abs(X.row0.xyz), half_size), dot(abs(X.row1.xyz), half_size), dot(abs(X.row2.xyz), half_size));
 }
+
+// Coulomb's cone: q, shortened to the length `cap` where it is longer. Without branches, and scaled so that the squares of all lengths from
+// 1e-6 to 1e31 are normal floats.
+vec2 onCone(vec2 q, float cap) {
+  const float kScale = 9.094947e-13;  // 2^-40
+  vec2 scaled_q = q * kScale;
+  float square = dot(scaled_q, scaled_q), scaled_cap = cap * kScale;
+  return mix(q, q * (scaled_cap * inversesqrt(square)), bvec2(square > scaled_cap * scaled_cap));
+}
+
+#endif

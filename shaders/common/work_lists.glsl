@@ -1,5 +1,7 @@
-// Lists of instances and tiles for later passes, shared/candidates.h. Their order varies from run to run and does not affect results.
+// Lists of instances and tiles for later passes, shared/batch.h. Their order varies from run to run and does not affect results.
 // In, out: work, work_instances.
+#ifndef COMMON_WORK_LISTS_GLSL
+#define COMMON_WORK_LISTS_GLSL
 
 uint placeInList(uint list, uint instance) { return list * step_record.batch.x + instance; }
 
@@ -19,3 +21,5 @@ uint newEntry(uint row, uint per_workgroup) {
 void appendToList(uint list, uint instance, uint per_workgroup) {
   work_instances[placeInList(list, newEntry(list, per_workgroup))] = instance;
 }
+
+#endif

@@ -2,6 +2,12 @@
 //
 // The includer defines kAllHeights: surfaces at or above Tile::z_limit count, too.
 // Reference: src/reference/depth.cpp.
+#ifndef DEPTH_HEIGHTS_GLSL
+#define DEPTH_HEIGHTS_GLSL
+
+#include "depth/raster.glsl"
+#include "depth/solids.glsl"
+#include "depth/area/solid_cells.glsl"
 
 // Lowers the heights of the tile to an analytic solid, sample by sample over its bounds.
 void rasterAnalytic(Tile tile, Body body, vec4 parameters, uint slot, inout Found found) {
@@ -15,14 +21,14 @@ void rasterAnalytic(Tile tile, Body body, vec4 parameters, uint slot, inout Foun
     uvec2 at = first + cellNumbered(i, count.y);
     float z = analyticHeight(body.kind_groups.x, parameters, body.X_PO, samplePosition(tile, at), tile.z_floor, found);
     uint address = (at.x - uint(tile.first.x)) * tile.stride + at.y - uint(tile.first.y);
-    if (kAllHeights ? z < kMiss : isVisible(tile, z, found)) lowerHeight(tile, address, z, slot);
+    if (kAllHeights ? z < kNoHeight : isVisible(tile, z, found)) lowerHeight(tile, address, z, slot);
   }
   checkLoop(i < count.x * count.y);
 }
 
 // Lowest height of a half-space over the tile, which it has at one of the corners.
 float lowestCorner(Tile tile, Body body) {
-  float lowest = kMiss;
+  float lowest = kNoHeight;
   Found found;
   for (uint corner = 0; corner < 4; ++corner) {
     vec2 at = vec2((corner & 1) == 0 ? tile.first.x : tile.end.x - 1.0, (corner & 2) == 0 ? tile.first.y : tile.end.y - 1.0);
@@ -34,7 +40,7 @@ float lowestCorner(Tile tile, Body body) {
 // The objects near a tile. `body` and `id` are those of the last slot, which is the only one without MANY_SLOTS.
 struct Reach {
   Box samples;         // that their bounds may cover
-  float lowest_bound;  // m, lower bound of their surfaces in P; kMiss without any
+  float lowest_bound;  // m, lower bound of their surfaces in P; kNoHeight without any
   Body body;
   int id;  // -1: the slot is empty
 };
@@ -82,7 +88,7 @@ Body nearBodyInSlot(Tile tile, uint slot_index, out int id) {
 Reach objectsNear(Tile tile, uint instance, uint num_slots) {
   Reach reach;
   reach.samples = noSamples();
-  reach.lowest_bound = kMiss;
+  reach.lowest_bound = kNoHeight;
   reach.id = -1;
   uint slot = 0;
   do {
@@ -100,7 +106,7 @@ Reach objectsNear(Tile tile, uint instance, uint num_slots) {
 
 // Moves the objects to full depth, for a load search that runs later and needs to know which cells they cover.
 void lowerObjects(inout Tile tile, uint instance, uint num_slots, inout Reach reach) {
-  if (reach.lowest_bound >= kMiss) return;
+  if (reach.lowest_bound >= kNoHeight) return;
   tile.offset_z = -THICKNESS - reach.lowest_bound;
   reach = objectsNear(tile, instance, num_slots);
 }
@@ -195,7 +201,9 @@ float sampleHeight(Tile tile, OnlyObject only, uint address, vec2 position, inou
   }
   float z = kOnlyPolyhedra ? heightInRow(position.y, tile.z_floor, found)
                            : analyticHeight(only.body.kind_groups.x, only.parameters, only.body.X_PO, position, tile.z_floor, found);
-  if ((NUM_ROWS == 0 || OUTPUT_JACOBIAN) && !isVisible(tile, z, found)) return kMiss;
+  if ((NUM_ROWS == 0 || OUTPUT_JACOBIAN) && !isVisible(tile, z, found)) return kNoHeight;
   word = withSlot(max(z - tile.z_base, 0.0), only.slot);
   return withoutSlot(word);
 }
+
+#endif

@@ -1,10 +1,40 @@
-// Culling of a mesh's groups and clusters of quads against a tile. The includer defines visitListedQuads(), which is called with all quads
-// that may cover a sample below Tile::z_limit and some others, listedQuad(i) for i < count, and the struct Found, which it updates. All
-// invocations call it.
-// In: objects, groups, clusters, quads (shared/objects.h).
+// Vertices of a mesh seen from a tile, and culling of a mesh's groups and clusters of quads against a tile.
+//
+// Vertices are at (u, v) in units of 2^-subpixel_bits of the samples' spacing, from the tile's first sample; z in m, in P. Sample (a, b) is
+// at (a, b) << subpixel_bits.
+// In:  objects, groups, clusters, quads (shared/model.h).
+// Out: listedQuad(i) for i < listQuads().
 // Shared memory: 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 8 bytes.
+#ifndef DEPTH_MESH_GLSL
+#define DEPTH_MESH_GLSL
 
-void visitListedQuads(Tile tile, MeshView view, uint count, inout Found found);
+#include "driver/loops.glsl"
+#include "driver/workgroup.glsl"
+#include "depth/tile.glsl"
+
+struct Vertex {
+  ivec2 at;
+  float z;
+};
+
+// How the mesh in one slot is seen from a tile.
+struct MeshView {
+  Affine from_lattice;  // from the mesh's lattice to (u, v, z)
+  int subpixel_bits;    // ObjectRecord
+  bool large;           // the mesh has large triangles, ObjectRecord
+  bool closed;          // and is closed; with AREA
+  uint slot;
+  ivec2 motion_low, motion_high;  // by how much the mesh may still move along u and v, in units; 0 in the contact pass
+};
+
+// First and last sample of the tile between `low` and `high`, in units; none where one is greater.
+ivec2 firstSample(MeshView view, ivec2 low) { return max((low + ((1 << view.subpixel_bits) - 1)) >> view.subpixel_bits, 0); }
+ivec2 lastSample(Tile tile, MeshView view, ivec2 high) { return min(high >> view.subpixel_bits, ivec2(tile.size * SAMPLES) - 1); }
+
+// The same for the samples that reach between them, depth/tile.glsl.
+int reachOf(MeshView view) { return AREA ? 1 << view.subpixel_bits >> 1 : 0; }
+ivec2 firstReaching(MeshView view, ivec2 low) { return firstSample(view, low - reachOf(view)); }
+ivec2 lastReaching(Tile tile, MeshView view, ivec2 high) { return lastSample(tile, view, high + reachOf(view)); }
 
 const uint kClustersPerBatch = GROUPS_PER_BATCH * kClustersPerGroup;
 shared uint group_list[GROUPS_PER_BATCH];  // first cluster | (how many - 1) << kFirstBits
@@ -65,7 +95,7 @@ void fetchQuad(MeshView view, uint quad, out Vertex p, out Vertex q, out Vertex 
   s = vertexOf(view, rs.zw);
 }
 
-// The box of a group; `items`: its clusters, packed as in shared/objects.h.
+// The box of a group; `items`: its clusters, packed as in shared/model.h.
 bool groupReaches(Tile tile, MeshView view, uint group, out uint items) {
   uvec4 words = fourOf(Groups, group);
   items = words.w;
@@ -79,9 +109,8 @@ bool clusterAt(uint place, out uint cluster) {
   return at <= group >> kFirstBits;
 }
 
-// Visits all quads of the clusters of the listed groups that reach into the tile. All invocations call it after a barrier; it ends with
-// one.
-void visitListedGroups(Tile tile, MeshView view, inout Found found) {
+// Lists all clusters of the listed groups that reach into the tile. All invocations call it after a barrier; it ends with one.
+void listClusters(Tile tile, MeshView view) {
   const uint kRounds = 32;  // whose clusters are collected as bits, so that one atomicAdd makes room for all that an invocation finds
   uint lane = gl_LocalInvocationIndex, num_places = num_listed_groups * kClustersPerGroup;
   uint start = 0, cluster;
@@ -102,25 +131,22 @@ void visitListedGroups(Tile tile, MeshView view, inout Found found) {
   checkLoop(start < num_places);
   workgroupBarrier();
   countIterations(num_listed_groups * kClustersPerGroup);
-  visitListedQuads(tile, view, num_listed_clusters * kQuadsPerCluster, found);
-  workgroupBarrier();
 }
 
-// Visits the mesh in batches of GROUPS_PER_BATCH groups.
-void visitMesh(Tile tile, Body body, MeshView view, inout Found found) {
-  uint lane = gl_LocalInvocationIndex, start = body.kind_groups.y, end_group = start + body.kind_groups.z;
+// Lists the quads of up to GROUPS_PER_BATCH groups, from `start` on, that may cover a sample below Tile::z_limit, and some others. Returns
+// their number. All invocations call it; the next call follows a barrier.
+uint listQuads(Tile tile, MeshView view, uint start, uint end_group) {
+  uint lane = gl_LocalInvocationIndex;
+  if (lane == 0) num_listed_groups = num_listed_clusters = 0;
+  workgroupBarrier();
+  uint g = start, end = min(start + GROUPS_PER_BATCH, end_group), items;
   do {
-    if (lane == 0) num_listed_groups = num_listed_clusters = 0;
-    workgroupBarrier();
-    uint g = start, end = min(start + GROUPS_PER_BATCH, end_group), items;
-    do {
-      if (g + lane < end && groupReaches(tile, view, g + lane, items)) group_list[atomicAdd(num_listed_groups, 1u)] = items;
-      g += WORKGROUP;
-    } while (g < end);
-    workgroupBarrier();
-    visitListedGroups(tile, view, found);
-    start += GROUPS_PER_BATCH;
-  } while (start < end_group);
-  countIterations(body.kind_groups.z);
-  checkLoop(start < end_group);
+    if (g + lane < end && groupReaches(tile, view, g + lane, items)) group_list[atomicAdd(num_listed_groups, 1u)] = items;
+    g += WORKGROUP;
+  } while (g < end);
+  workgroupBarrier();
+  listClusters(tile, view);
+  return num_listed_clusters * kQuadsPerCluster;
 }
+
+#endif

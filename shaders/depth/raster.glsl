@@ -1,25 +1,32 @@
 // Rasterizes triangles of meshes into the tile's heights; an invocation draws one triangle or two that share an edge. Twin:
 // src/reference/depth.cpp (rays).
 //
-// Coverage is exact, in integers, with the coordinates of depth/subpixels.glsl. Rows run along u. Heights z are floats, in m, in P.
+// Coverage is exact, in integers, with the coordinates of depth/mesh.glsl. Rows run along u. Heights z are floats, in m, in P.
+#ifndef DEPTH_RASTER_GLSL
+#define DEPTH_RASTER_GLSL
+
+#include "depth/mesh.glsl"
+#include "depth/tile_heights.glsl"
+#include "depth/area/facets.glsl"
 
 // Edge function of q and r at the origin: twice the signed area of the triangle (origin, q, r).
 int edge(ivec2 q, ivec2 r) { return q.x * r.y - q.y * r.x; }
 
-// Height z of a surface over a sample; kMiss if the sample is outside of the surface.
+// Height z of a surface over a sample; kNoHeight if the sample is outside of the surface.
 float visibleHeight(Tile tile, bool outside, float z, inout Found found) {
-  if (NUM_ROWS > 0) return outside ? kMiss : z;
-  return !outside && isVisible(tile, z, found) ? z : kMiss;
+  if (NUM_ROWS > 0) return outside ? kNoHeight : z;
+  return !outside && isVisible(tile, z, found) ? z : kNoHeight;
 }
 
 // Half-space test for small triangles, two that share the edge from q to r, (p, q, r) and (r, q, s): every sample of the bounding box is
 // tested against the five edges. No edge is longer than 2^kSmallEdgeBits units, so that 32 bits hold the products. A sample on the shared
 // edge belongs to both triangles.
 //
-//    p ------ r      Edge functions are updated incrementally: by one amount from a sample of a row to the next, by another from the end of
-//    a row to the |      / |      start of the next row. For a back-facing triangle all signs are flipped: its mask is ~0, and (e + mask) ^
-//    mask is negative where -e |    /   |      is. A sample is covered unless the sign of the three results or-ed together is set. |  /
-//    | q ------ s      The three edge functions add up to twice the triangle's area everywhere, so that one of them need not be updated.
+//    p ------ r      Edge functions are updated incrementally: by one amount from a sample of a row to the next, by another from
+//    |      / |      the end of a row to the start of the next row. For a back-facing triangle all signs are flipped: its mask
+//    |    /   |      is ~0, and (e + mask) ^ mask is negative where -e is. A sample is covered unless the sign of the three
+//    |  /     |      results or-ed together is set. The three edge functions add up to twice the triangle's area everywhere, so
+//    q ------ s      that one of them need not be updated.
 void rasterBySamples(Tile tile, MeshView view, Vertex p, Vertex q, Vertex r, Vertex s, inout Found found) {
   if (p.z >= tile.z_limit && q.z >= tile.z_limit && r.z >= tile.z_limit && s.z >= tile.z_limit) return;
   ivec2 first = firstSample(view, min(min(p.at, q.at), min(r.at, s.at)));
@@ -181,9 +188,6 @@ void drawQuad(Tile tile, MeshView view, uint quad, inout Found found) {
   }
 }
 
-// A quad that visitMesh() or, from `first` on, find_candidates.comp has found.
-uint quadNumbered(uint i, bool is_candidate, uint first) { return is_candidate ? wordOfFours(CandidateQuads, first + i) : listedQuad(i); }
-
 void visitQuads(Tile tile, MeshView view, bool is_candidate, uint first, uint count, inout Found found) {
   countIterations(kIterationsOfTriangle * 2u * count);
   const uint kSums = kBySums | kByLargeSums;
@@ -197,10 +201,23 @@ void visitQuads(Tile tile, MeshView view, bool is_candidate, uint first, uint co
   checkLoop(i < end);
 }
 
-void visitListedQuads(Tile tile, MeshView view, uint count, inout Found found) { visitQuads(tile, view, false, 0, count, found); }
+// Draws a mesh in batches of GROUPS_PER_BATCH groups.
+void visitMesh(Tile tile, Body body, MeshView view, inout Found found) {
+  uint start = body.kind_groups.y, end_group = start + body.kind_groups.z;
+  do {
+    uint count = listQuads(tile, view, start, end_group);
+    visitQuads(tile, view, false, 0, count, found);
+    workgroupBarrier();
+    start += GROUPS_PER_BATCH;
+  } while (start < end_group);
+  countIterations(body.kind_groups.z);
+  checkLoop(start < end_group);
+}
 
 // Visits the quads that find_candidates.comp has found; replaces visitMesh().
 void visitCandidates(Tile tile, uint instance, MeshView view, inout Found found) {
   visitQuads(tile, view, true, instance * kMaxCandidates, candidates[instance].list.y, found);
   workgroupBarrier();
 }
+
+#endif

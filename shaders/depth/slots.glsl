@@ -4,6 +4,8 @@
 //
 // The float keeps 20 of its 23 bits, rounded to nearest: a height within the skin is off by at most 2^-21 of the skin's thickness, 1 nm of
 // 2 mm.
+#ifndef DEPTH_SLOTS_GLSL
+#define DEPTH_SLOTS_GLSL
 
 const bool kKeepsSlots = KEEPS_SLOTS;
 const uint kSlotMask = (1u << kSlotBits) - 1u;
@@ -15,3 +17,5 @@ uint withSlot(float value, uint slot) {
 
 float withoutSlot(uint word) { return uintBitsToFloat(kKeepsSlots ? word & ~kSlotMask : word); }
 uint slotOf(uint word) { return kKeepsSlots ? word & kSlotMask : 0u; }
+
+#endif

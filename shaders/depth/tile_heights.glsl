@@ -3,6 +3,38 @@
 // The bits of a non-negative float order like the float itself, so atomicMin keeps minima and the order of triangles does not matter. The
 // array is empty between two tiles: every tile clears the samples that it has written.
 // Shared memory: 4 TILE_SAMPLES + 16 bytes.
+#ifndef DEPTH_TILE_HEIGHTS_GLSL
+#define DEPTH_TILE_HEIGHTS_GLSL
+
+#include "driver/arithmetic.glsl"
+#include "driver/workgroup.glsl"
+#include "depth/slots.glsl"
+#include "depth/tile.glsl"
+
+// ---- constants that follow from those of passes/depth.h and leave out the code that a model, sensor or batch does not need ----
+
+const bool kHasMesh = (OBJECT_KINDS & 1u) != 0;
+const bool kHasAnalytic = (OBJECT_KINDS & ~1u) != 0;
+// Estimated iterations of one invocation: shared/model.h.
+const uint kIterationsOfSample = AREA                                       ? kIterationsPerCell
+                                 : (OBJECT_KINDS & (1u << kKindTorus)) != 0 ? kIterationsPerSampleOfTorus
+                                                                            : kIterationsPerSample;
+const uint kIterationsOfTriangle = AREA ? kIterationsPerTriangleOfCells : kIterationsPerTriangle;
+const bool kOnlyPolyhedra = OBJECT_KINDS == (1u << kKindPolyhedron);
+// Heights go through the tile, except for a single analytic solid, whose heights are computed where they are summed. A torus needs the tile
+// since its heights are expensive; the Jacobian needs it where the words of the neighbours of a row of samples do not fit into RowWords,
+// skin/tile_pressures.glsl.
+const bool kReadsNeighbours = BOTH(OUTPUT_JACOBIAN, SAMPLES > 4u);
+bool usesTile() {
+  return AREA || kReadsNeighbours || kHasMesh || MANY_SLOTS || SEARCH == kSearchInTile || (OBJECT_KINDS & (1u << kKindTorus)) != 0;
+}
+
+// How triangles are drawn: depth/raster.glsl, depth/area/facets.glsl. The constant TRIANGLE_SIZES removes the ways that the model does not
+// need, and the test of the only one.
+const uint kBySamples = 1u, kBySpans = 2u, kBySums = 4u, kByLargeSums = 8u;
+bool isDrawn(uint way, bool wanted) { return TRIANGLE_SIZES == way || ((TRIANGLE_SIZES & way) != 0 && wanted); }
+
+// ---- words of a tile ----
 
 const uint kEmpty = 0x7F7FFFFFu;  // the largest finite float, as bits: no surface over the sample
 shared uint tile_heights[TILE_SAMPLES];
@@ -43,19 +75,6 @@ void lowerHeight(Tile tile, uint address, float z, uint slot) {
   atomicMin(tile_heights[address], withSlot(intBitsToFloat(height), slot));
 }
 
-void clearSums(uint address);  // of a cell, depth/area/cell_sums.glsl
-
-void clearHeights() {
-  for (uint address = gl_LocalInvocationIndex; address < TILE_SAMPLES; address += WORKGROUP) {
-    tile_heights[address] = kEmpty;
-    if (AREA) {
-      cell_shares[address] = kWhole;
-      clearSums(address);
-    }
-    if (VARIATION) cell_variations[address] = 0;
-  }
-}
-
 void clearSamples(Tile tile, Box box) {
   if (!isAny(box)) return;
   for (int row = box.first.x + int(gl_LocalInvocationIndex); row <= box.last.x; row += int(WORKGROUP)) {
@@ -90,3 +109,5 @@ Box boxAround(Box part) {
   workgroupBarrier();
   return Box(ivec2(active_box[0], active_box[2]), ivec2(active_box[1], active_box[3]));
 }
+
+#endif

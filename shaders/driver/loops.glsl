@@ -4,6 +4,8 @@
 // Loops with long bodies test at their end, with the same rounds in all invocations: docs/decisions/0024-loops-that-test-at-their-end.md. A
 // loop whose length depends on the scene calls checkLoop() behind it with its own condition. The host turns problems[0] != 0 into an error.
 // Mutable globals: any_unfinished_loop, one flag per invocation; num_iterations, the same in all invocations of a workgroup.
+#ifndef DRIVER_LOOPS_GLSL
+#define DRIVER_LOOPS_GLSL
 
 bool any_unfinished_loop = false;
 
@@ -30,7 +32,7 @@ void reportUnfinishedLoops() {
     checkLoop(k < (count));           \
   }
 
-// Reduces items to partial sums, common/partial_sums.glsl: for each item k = 0 to count - 1 `statement` updates the vec4 `sums`. Partial
+// Reduces items to partial sums, driver/workgroup.glsl: for each item k = 0 to count - 1 `statement` updates the vec4 `sums`. Partial
 // sum `part` begins at `initial` and takes every LANES-th item; there are num_parts, at most min(LANES, count).
 #define REDUCE(num_parts, count, initial, statement)     \
   {                                                      \
@@ -47,3 +49,5 @@ void reportUnfinishedLoops() {
         part += WORKGROUP;                               \
       } while (WORKGROUP < LANES && part < (num_parts)); \
   }
+
+#endif

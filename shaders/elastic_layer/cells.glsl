@@ -6,10 +6,12 @@
 // (elastic_layer/influence.glsl). With the share s that is covered, the centroid c, and the disc of the cell's area as the shape of what
 // carries the edge of a rigid object:
 //
-//   own(s) = 1 + (CELL_DISC (1 - s^8) + CELL_FREE s^8) / sqrt(s) - CELL_FREE + CELL_BASE (1 - s) compliance_i = own(s_i) + POINT_COMPLIANCE
-//   sum_j sqrt(s_j / s_i) [m(|c_j - c_i|, w_ij) - m(distance of the nodes, w_11)]      over the eight neighbours m(r, w) = erf(r / w) / r -
-//   1 / sqrt(r^2 + IMAGE_DEPTH^2)        of two round clouds whose forces act over w; their image is the base
+//   own(s)       = 1 + (CELL_DISC (1 - s^8) + CELL_FREE s^8) / sqrt(s) - CELL_FREE + CELL_BASE (1 - s)
+//   compliance_i = own(s_i) + POINT_COMPLIANCE sum over the eight neighbours j of
+//                    sqrt(s_j / s_i) [m(|c_j - c_i|, w_ij) - m(distance of the nodes, w_11)]
+//   m(r, w)      = erf(r / w) / r - 1 / sqrt(r^2 + IMAGE_DEPTH^2)
 //
+// m belongs to two round clouds whose forces act over w; their image is the base.
 // sqrt(s_j / s_i) is the ratio of forces under a flat object; a surface that only enters a cell has the share that it covers there.
 // Compliances are relative to a whole cell's. Constants: src/sensor/elastic_layer.h. Twin: src/reference/layer_cells.cpp.
 
@@ -40,7 +42,7 @@ NodeCell cellAt(Surface surface, uvec2 node) {
 // Height that a node meets, m: in the middle of its cell, or over what an edge bounds.
 float heightOf(NodeCell cell, float height) {
   if (cell.edge == 0.0) return height;
-  return height >= kMiss ? cell.height : mix(height, cell.height, cell.edge);
+  return height >= kNoHeight ? cell.height : mix(height, cell.height, cell.edge);
 }
 
 // Error function, to 1.5e-7 (Abramowitz and Stegun, 7.1.26).

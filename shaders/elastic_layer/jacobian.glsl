@@ -15,11 +15,11 @@ const uint kMaxJacobianIterations = 48;  // of conjugate gradients; a few thousa
 const float kJacobianTolerance = 1e-8;   // squared residual, as a share of the first one
 const float kWallSlope = 2.0;            // slope of depth beyond which there is a wall
 
-// Height at a node, kMiss outside the nodes that were reached.
+// Height at a node, kNoHeight outside the nodes that were reached.
 float knownHeight(Surface surface, uvec2 node) {
   uvec4 reached = surface.reached;
   bool inside = node.x >= reached.x && node.x < reached.y && node.y >= reached.z && node.y < reached.w;  // -1 wraps to a large number
-  return inside ? heightAt(surface, node) : kMiss;
+  return inside ? heightAt(surface, node) : kNoHeight;
 }
 
 // Distance between a node and the next one along an axis, of the places of what is covered, m.

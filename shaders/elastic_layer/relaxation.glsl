@@ -1,5 +1,5 @@
 // Relaxation of an elastic layer. All its moduli follow one k(t), so that the pressures p follow the strain pressures P, with A P = w, node
-// by node as those of a sample follow its strain (skin/relaxation.glsl, which defines e, c, held and gain). Twins:
+// by node as those of a sample follow its strain (skin/sample_states.glsl, which defines e, c, held and gain). Twins:
 // src/reference/relaxation.cpp, elastic_layer.cpp.
 //
 // Without pressure a step leaves the dent q = P - held / gain; pressure adds p / gain to it. With p' = p / gain the contact problem is

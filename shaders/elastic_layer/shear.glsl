@@ -1,14 +1,17 @@
 // Shear of an elastic layer: skin/friction.glsl at every node under pressure, of taxels and margin alike. Forces in N, in P. Twin:
 // src/reference/friction.cpp.
 
+// Springs, whose state is their traction.
+vec2 tractionAfter(inout vec2 traction, vec2 u, float share, float covered, float pressure, float per_dt) {
+  return traction = onCone(traction + TANGENTIAL_STIFFNESS * covered * share * u, FRICTION_COEFFICIENT * pressure);
+}
+
+#include "skin/friction.glsl"
+
 struct Shear {
   vec2 force;   // on the sensor along x and y of P, N
   vec3 torque;  // about P's origin, in P, N m
 };
-
-vec2 tractionAfter(inout vec2 traction, vec2 u, float share, float covered, float pressure, float per_dt) {
-  return traction = springTraction(traction, u, share, covered, pressure);
-}
 
 // The rectangle of nodes that have a state: first row, end row, first col, end col.
 uvec4 readStateWindow(uint start) { return uvec4(friction_state[start], friction_state[start + 1]); }

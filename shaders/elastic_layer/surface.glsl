@@ -1,6 +1,6 @@
 // The surface over the nodes of an elastic layer, from the heights that the heights pass leaves, and its overlap with the undeformed skin.
 //
-// Heights are in m, in P, with the slot in their lowest bits (depth/slots.glsl); kMiss without a surface. Overlaps are in thicknesses,
+// Heights are in m, in P, with the slot in their lowest bits (depth/slots.glsl); kNoHeight without a surface. Overlaps are in thicknesses,
 // positive below Surface::origin.
 
 struct Surface {
@@ -47,7 +47,7 @@ float heightAt(Surface surface, uvec2 node) {
   return AREA ? heightOf(cellAt(surface, node), height) : height;
 }
 
-// Heights over a strip; kMiss outside the nodes that were reached.
+// Heights over a strip; kNoHeight outside the nodes that were reached.
 vec4 heightsOver(Surface surface, uvec2 at) {
   uvec4 words = heightWordsOver(surface, at), col = at.y + uvec4(0, 1, 2, 3);
   bool row = at.x >= surface.reached.x && at.x < surface.reached.y;
@@ -59,7 +59,7 @@ vec4 heightsOver(Surface surface, uvec2 at) {
       if (reached[c] == 1u) h[c] = heightOf(cellAt(surface, uvec2(at.x, col[c])), h[c]);
     }
   }
-  return mix(vec4(kMiss), h, equal(reached, uvec4(1)));
+  return mix(vec4(kNoHeight), h, equal(reached, uvec4(1)));
 }
 
 // Bounding rectangle of the windows of an instance's tiles, as Surface::reached.
@@ -73,9 +73,9 @@ uvec4 reachedNodes(uint instance) {
   return reached.x < reached.y ? reached : uvec4(0);
 }
 
-// The lowest height over the window, m; kMiss without any.
+// The lowest height over the window, m; kNoHeight without any.
 float lowestHeight(Surface surface, Window window) {
-  REDUCE_STRIPS(window, vec4(-kMiss), sums.x = max(sums.x, largestOf(-heightsOver(surface, at))))
+  REDUCE_STRIPS(window, vec4(-kNoHeight), sums.x = max(sums.x, largestOf(-heightsOver(surface, at))))
   return -largestOfPartials(window.num_parts);
 }
 

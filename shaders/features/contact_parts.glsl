@@ -1,5 +1,5 @@
 // Parts of an instance, of which contact_features.comp computes one row of features each: the sensor, its patches (none of a list of
-// taxels), its regions. The planes of their moments are in shared/sensor.h. Lengths in m.
+// taxels), its regions. The planes of their moments are in shared/model.h. Lengths in m.
 
 const bool kList = PATCHES == 0;      // taxels with positions of their own
 const bool kOnePatch = PATCHES == 1;  // its row equals the sensor's, and is not computed apart
@@ -7,7 +7,7 @@ const uint kRows = 1 + PATCHES + REGIONS;
 const uint kFirstRegion = kOnePatch ? 1u : 1u + PATCHES;  // among the parts that are computed
 const uint kParts = kFirstRegion + REGIONS;
 
-// The record of a taxel, shared/sensor.h.
+// The record of a taxel, shared/model.h.
 const uint kFoursOfTaxel = 3u;
 vec4 chartOf(uint t) { return floatsOfFour(Taxels, kFoursOfTaxel * t); }
 vec4 readoutOf(uint t) { return floatsOfFour(Taxels, kFoursOfTaxel * t + 1u); }

@@ -1,5 +1,5 @@
 // Parts of an instance, of which tactile_jacobian.comp computes one row of derivatives each: the sensor and its patches (none of a list of
-// taxels). The planes of their moments are in shared/sensor.h. Lengths in m.
+// taxels). The planes of their moments are in shared/model.h. Lengths in m.
 
 const bool kOnePatch = PATCHES == 1;  // its row equals the sensor's, and is not computed apart
 const uint kRows = 1 + PATCHES;

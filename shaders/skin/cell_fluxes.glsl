@@ -14,6 +14,11 @@
 // f' jumps at the border of the contact and at the skin's full thickness. Its mean over a sample's cell is used, with depths uniform about
 // d over a width that follows from the slope and the cell's size. This needs surfaces up to cellReach() over the skin. With area sampling
 // the covered share of a cell is known, and f is the mean over the cell.
+#ifndef SKIN_CELL_FLUXES_GLSL
+#define SKIN_CELL_FLUXES_GLSL
+
+#include "depth/tile_heights.glsl"
+#include "skin/law.glsl"
 
 // Sums over the samples of a taxel, without the factor of a sample's area. A side has those of the samples next to it, by sideWeight(),
 // where c is the coordinate along the side.
@@ -40,9 +45,9 @@ struct CellRow {
 CellRow noCellRow() { return CellRow(vec3(0), vec3(0), vec2(0), vec2(0), vec2(0)); }
 
 // The smaller step from the depth of a sample to those of its neighbours in the taxel along an axis, m; 0 for a wall, a step of more than
-// 63 degrees. -kMiss: no such neighbour.
+// 63 degrees. -kNoHeight: no such neighbour.
 float stepOfDepth(Tile tile, float d, float before, float after) {
-  float least = kMiss;
+  float least = kNoHeight;
   if (before > -cellReach(tile)) least = abs(d - before);
   if (after > -cellReach(tile)) least = min(least, abs(d - after));
   return least < 2.0 * cellReach(tile) ? least : 0.0;
@@ -95,6 +100,37 @@ Stiffness stiffnessOf(CellPoints points, float d, float covered, float f) {
   }
   float elastic = lawPressure(d, 0.0), share = RELAXATION > 0 ? f / elastic : 1.0;
   return Stiffness(share * max(covered, 0.0) * lawSlope(d), share * elastic * 0.5 * d / abs(covered));
+}
+
+// Words of the samples of a taxel's row and of the rows before and after it, as in the tile; kEmpty where there is no sample or no surface.
+struct RowWords {
+  uvec4 before, here, after;
+};
+bool keepsRows() { return OUTPUT_JACOBIAN && !AREA && SAMPLES <= 4u; }
+
+// Words of the samples before and after the sample `at` of its taxel along x, then along y.
+uvec4 wordsAround(Tile tile, RowWords rows, uvec2 at, uint address) {
+  uvec4 words = uvec4(kEmpty);
+  if (keepsRows()) {
+    words.xy = uvec2(component(rows.before, at.y), component(rows.after, at.y));
+    if (at.y > 0) words.z = component(rows.here, at.y - 1u);
+    if (at.y + 1u < SAMPLES) words.w = component(rows.here, at.y + 1u);
+  } else {
+    if (at.x > 0) words.x = tile_heights[address - tile.stride];
+    if (at.x + 1u < SAMPLES) words.y = tile_heights[address + tile.stride];
+    if (at.y > 0) words.z = tile_heights[address - 1u];
+    if (at.y + 1u < SAMPLES) words.w = tile_heights[address + 1u];
+  }
+  return words;
+}
+
+// f' and G of a sample under the pressure f (Pa), from the words around it. `surface`: depth where the tile's height is 0, m.
+Stiffness stiffnessAmong(Tile tile, float surface, uvec4 around, float height, float f) {
+  float d = surface - height;
+  vec2 before = surface - vec2(withoutSlot(around.x), withoutSlot(around.z)),
+       after = surface - vec2(withoutSlot(around.y), withoutSlot(around.w));
+  vec2 steps = vec2(stepOfDepth(tile, d, before.x, after.x), stepOfDepth(tile, d, before.y, after.y));
+  return stiffnessAt(tile, d, length(steps), f);
 }
 
 // Adds the `b`th sample of a row, at `y`, under the pressure f (Pa). `rim`: which sides of the taxel are at the patch's rim.
@@ -177,3 +213,5 @@ void writeChange(Tile tile, uint sum, vec3 change[6]) {
     tile_changes[sum * kTileChanges + 3 * k + 2] = change[k].z * tile.force_area;
   }
 }
+
+#endif

@@ -5,23 +5,23 @@
 // that the traction q (Pa), which acts on the skin along the object's motion, becomes
 //   q + k_t (u_x, u_y),  shortened to mu p where it is longer: the backward Euler step of elastic-perfectly plastic slip (radial return).
 // Where contact began within the step only the part of u after touch counts; the state of a sample that nothing touches is cleared.
-// The law lugre has its own rule for the traction (skin/laws/lugre.glsl) and shares the rest.
+// The law lugre has its own rule for the traction (skin/law.glsl) and shares the rest.
 //
-// The includer defines kShears (shear is computed), kManyMotions (several objects may be in contact) and FLAT (the patch's frame is the
-// sensor's).
-// Shared memory: 64 bytes per slot where an instance may touch several objects, and 8 LANES bytes.
+// The includer defines FRICTION (shear is computed), MANY_SLOTS (several objects may be in contact), FLAT (the patch's frame is the
+// sensor's) and the rule
+//   vec2 tractionAfter(inout vec2 sample_state, vec2 u, float share, float covered, float pressure, float per_dt)
+// for the shear traction (Pa, mean over the cell) under `pressure` (Pa, likewise) after the object, which covers a part `covered` of the
+// cell, has moved by `u` (m, along x and y of P) while a `share` of the step in contact. `sample_state` is kept between steps. `per_dt`: 1
+// / the step's time, 1/s. Shared memory: 64 bytes per slot where an instance may touch several objects, and 8 LANES bytes.
+#ifndef SKIN_FRICTION_GLSL
+#define SKIN_FRICTION_GLSL
 
-#include "skin/cone.glsl"
+#include "driver/arithmetic.glsl"
+#include "driver/workgroup.glsl"
+#include "common/transform.glsl"
+#include "depth/slots.glsl"
 
-// The rule, which the includer defines: shear traction (Pa, mean over the cell) under `pressure` (Pa, likewise) after the object, which
-// covers a part `covered` of the cell, has moved by `u` (m, along x and y of P) while a `share` of the step in contact. `sample_state` is
-// kept between steps. `per_dt`: 1 / the step's time, 1/s.
-vec2 tractionAfter(inout vec2 sample_state, vec2 u, float share, float covered, float pressure, float per_dt);
-
-// Rule of the springs; their state is their traction, Pa.
-vec2 springTraction(vec2 traction, vec2 u, float share, float covered, float pressure) {
-  return onCone(traction + TANGENTIAL_STIFFNESS * covered * share * u, FRICTION_COEFFICIENT * pressure);
-}
+const bool kManyMotions = kKeepsSlots && MANY_SLOTS;
 
 // ---- motion of the objects ----
 
@@ -33,10 +33,10 @@ struct Motion {
 
 const uint kSlotRows = 4u;  // rows of a slot in slot_motions[]
 shared vec4 slot_motions[kManyMotions ? kSlotRows << kSlotBits : 1u];
-shared vec2 partial_shear[kShears ? LANES : 1u];
+shared vec2 partial_shear[FRICTION ? LANES : 1u];
 vec2 own_shear = vec2(0);
 
-// As setPartial() and sumOfPartials(), which has the barrier, common/partial_sums.glsl.
+// As setPartial() and sumOfPartials(), which has the barrier, driver/workgroup.glsl.
 void setPartialShear(uint v, vec2 shear) {
   if (kInRegisters) {
     own_shear = shear;
@@ -123,3 +123,5 @@ vec2 shearTraction(inout uvec2 words, bool touches, uint slot, Motion only_motio
   words = mix(uvec2(kNoFrictionState, 0u), uvec2(withSlot(sample_state.x, slot), floatBitsToUint(sample_state.y)), bvec2(touches));
   return mix(vec2(0), q, bvec2(drags));
 }
+
+#endif

@@ -1,4 +1,6 @@
-// Coefficients of one time step of a skin that relaxes, from StepRecord; the formulas are in skin/relaxation.glsl. Dimensionless.
+// Coefficients of one time step of a skin that relaxes, from StepRecord; the formulas are in skin/sample_states.glsl. Dimensionless.
+#ifndef SKIN_SKIN_STEP_GLSL
+#define SKIN_SKIN_STEP_GLSL
 
 struct SkinStep {
   float settled;  // equilibrium stiffness
@@ -21,3 +23,5 @@ SkinStep skinStep(bool is_new) {
 }
 
 SkinStep noSkinStep() { return SkinStep(1.0, 1.0, vec4(0), vec4(0), vec4(0), true); }
+
+#endif

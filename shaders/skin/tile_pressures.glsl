@@ -1,31 +1,96 @@
 // Stage 2 of the contact pass: from the heights over the samples of a tile to one force per taxel (N) and a wrench, by the law
-// (skin/laws/), relaxation and friction.
+// (skin/law.glsl), relaxation and friction.
 //
 // In:  heights of the tile or of one solid (depth/heights.glsl).
-// Out: contact_normal, contact_depth, contact_shear, contact_cells, tile_changes; sums of the wrench; num_deep and any_behind.
-// Shared memory: 12 bytes.
-// Twins: src/reference/contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp.
+// Out: contact_normal, contact_depth, contact_shear, contact_cells, tile_changes; partial sums of the wrench; num_deep and any_behind.
+// Shared memory: 4 bytes.
+// Reference: src/reference/contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp.
+#ifndef SKIN_TILE_PRESSURES_GLSL
+#define SKIN_TILE_PRESSURES_GLSL
 
-// Cosine to z of S. On a patch flatter than this, a surface below Tile::z_floor means that a load search has passed through the body.
-const float kLooksUp = 0.7;
+#include "driver/loops.glsl"
+#include "driver/workgroup.glsl"
+#include "depth/heights.glsl"
+#include "skin/cell_fluxes.glsl"
+#include "skin/friction.glsl"
+#include "skin/load_search.glsl"
+#include "skin/tile_outputs.glsl"
+
+// ---- touched taxels ----
+//
+// The taxels under the bounds of a polyhedron or a round solid that it may touch; the others carry no force and are skipped. A lane keeps
+// its taxels, every LANES-th, as bits of a word and processes them in the order of all taxels, so that the sums are the same. Reads the
+// planes of depth/solids.glsl.
 
 shared uint most_touched;  // taxels of any lane that kSkipsTaxels leaves
-shared uint num_deep;      // samples at the skin's full thickness
-shared uint any_behind;    // 1: a surface below Tile::z_floor, on a patch that looks along z of S
 
-// Taxels of a tile that can carry force: a rectangle, in taxels of the tile, half-open.
-struct ActiveTaxels {
-  uvec2 first, count;
-};
+const uint kRounds = (NUM_ROWS * NUM_COLS + LANES - 1u) / LANES;
+const bool kHasBounds = EITHER(kOnlyPolyhedra, kOnlyRound);
+const bool kSkipsTaxels = EARLY_EXIT && kHasBounds && NUM_ROWS > 0 && NUM_TILES == 1 && kRounds <= 32 && !MANY_SLOTS &&
+                          SEARCH != kSearchInTile && SEARCH != kSearchEnded && RELAXATION == 0;
 
-ActiveTaxels activeTaxels(Box samples) {
-  ActiveTaxels taxels = ActiveTaxels(uvec2(0), uvec2(0));
-  if (isAny(samples)) {
-    taxels.first = uvec2(samples.first) / SAMPLES;
-    taxels.count = uvec2(samples.last) / SAMPLES + 1u - taxels.first;
+// Taxels of `lane` in a rectangle of taxels that the only object may touch: a polyhedron by lower bounds of the heights of both sides over
+// a taxel's samples, less the rounding of a sample's height, a round solid by its `part`. Clears the outputs of all of them. `tile_state`:
+// where the states of the tile's samples begin.
+uint touchedTaxels(Tile tile, uint tile_state, uint lane, uvec2 first, uvec2 count, uint first_taxel, RoundPart part) {
+  const float kRounding = 1e-6;
+  vec2 half_size = 0.5 * float(SAMPLES - 1u) * tile.spacing;
+  vec2 slack = half_size + kRounding * (abs(tile.corner) + tile.spacing);
+  float lows[NUM_FACES], highs[NUM_FACES];
+  for (uint f = 0; kOnlyPolyhedra && f < NUM_FACES; ++f) {
+    float fall = dot(abs(face_slopes[f]), slack);
+    lows[f] = face_lows[f] - fall - kRounding * abs(face_lows[f]);
+    highs[f] = face_highs[f] - fall - kRounding * abs(face_highs[f]);
   }
-  return taxels;
+  uint touched = 0, bit = 1;
+  uint k = lane, num_taxels = count.x * count.y;
+  if (num_taxels > 0) do {
+      if (k < num_taxels) {
+        uvec2 at = first + cellNumbered(k, count.y);
+        uint taxel = first_taxel + at.x * tile.grid.y + at.y;
+        contact_normal[taxel] = 0.0;
+        if (OUTPUT_SHEAR) writeShear(taxel, vec2(0));
+        if (OUTPUT_DEPTH) contact_depth[taxel] = 0.0;
+        if (OUTPUT_JACOBIAN) clearCell(taxel);
+        vec2 middle = samplePosition(tile, at * SAMPLES) + half_size;
+        float low = -kNoHeight, minus_high = -kNoHeight;
+        for (uint f = 0; kOnlyPolyhedra && f < NUM_FACES; ++f) {
+          float rise = dot(face_slopes[f], middle);
+          low = max(low, rise + lows[f]);
+          minus_high = max(minus_high, rise + highs[f]);
+        }
+        bool near =
+            kOnlyPolyhedra ? low < tile.z_limit && low <= -minus_high : reachesInto(part, middle, half_size + kSampleReach * tile.spacing);
+        if (near) touched |= bit;
+        if (kMarksStates && !near) markWithoutStates(tile, tile_state, at);
+        bit <<= 1;
+      }
+      k += LANES;
+    } while (k - lane < num_taxels);
+  return touched;
 }
+
+// Removes and returns the next of a lane's taxels; a number past all of them where none is left.
+uint nextTouched(inout uint touched, uint lane) {
+  if (touched == 0) return 0x7FFFFFFFu;
+  uint round = uint(findLSB(touched));
+  touched &= touched - 1u;
+  return lane + LANES * round;
+}
+
+// Rounds that all lanes take together: as many as the lane with the most of the `num_active` taxels needs. `touched`: this lane's, if
+// kSkipsTaxels.
+uint numRounds(uint touched, uint num_active) {
+  if (!kSkipsTaxels) return (num_active + LANES - 1u) / LANES;
+  if (kInRegisters) return largestOverVector(uint(bitCount(touched)));
+  atomicMax(most_touched, uint(bitCount(touched)));
+  workgroupBarrier();
+  uint most = most_touched;
+  if (WORKGROUP < LANES) workgroupBarrier();
+  return most;
+}
+
+// ---- pressures ----
 
 // What all taxels of a tile have in common while their samples are summed.
 struct TileStep {
@@ -45,20 +110,6 @@ struct TileStep {
   OnlyObject only;     // the object of a pass without a tile
   RoundPart part;      // its part within reach, with kOnlyRound
 };
-
-// Sums over the samples of a taxel.
-struct TaxelSums {
-  float depth;        // m
-  float force;        // Pa
-  vec2 moment;        // Pa m
-  vec2 shear;         // Pa
-  vec3 shear_moment;  // Pa m
-  uint deep;          // samples at the skin's full thickness
-  float slope;        // of the force by the depth, Pa/m; kSumsSlopes
-};
-
-// For Newton's method over tiles, load.comp. A search has no shear, whose torque takes the same place.
-const bool kSumsSlopes = AREA && SEARCH == kSearchOverTiles;
 
 // Runs the load search of this tile and loads the states of relaxation and friction.
 TileStep beginPressures(Tile tile, uint instance, uint tile_number, uint num_slots, Reach reach, ActiveTaxels taxels, bool load_driven,
@@ -82,7 +133,7 @@ TileStep beginPressures(Tile tile, uint instance, uint tile_number, uint num_slo
   }
   step.surface = search_here ? step.found.depth + step.found.lowest : THICKNESS;
   step.friction = RANDOM_SKIN ? instanceRecord(instance).skin.y : 1.0;
-  if (kShears) step.only_motion = loadMotions(instance, num_slots, search_here ? step.found.offset : tile.offset_z, tile.X_PS);
+  if (FRICTION) step.only_motion = loadMotions(instance, num_slots, search_here ? step.found.offset : tile.offset_z, tile.X_PS);
   step.only = onlyObject(reach, instance * num_slots, kSkipsTaxels);
   if (kSkipsTaxels && kOnlyRound) {
     step.part = roundPartBelow(tile.z_limit, step.only.body.kind_groups.x, step.only.parameters, step.only.body.X_PO);
@@ -91,41 +142,12 @@ TileStep beginPressures(Tile tile, uint instance, uint tile_number, uint num_slo
   return step;
 }
 
-// States of shear of four samples, at the first and the second of their points.
-struct ShearStates {
-  uvec4 x_0, y_0, x_1, y_1;
-};
-
-// `first`: statesOf() the samples of a taxel that the step before has `touched`, or has not.
-ShearStates readShears(uint first, bool touched) {
-  ShearStates states =
-      ShearStates(fourOf(PastState, first + kShearStates), fourOf(PastState, first + kShearStates + 1u), uvec4(0), uvec4(0));
-  if (VARIATION) states.x_1 = fourOf(PastState, first + kShearStates + 2u);
-  if (VARIATION) states.y_1 = fourOf(PastState, first + kShearStates + 3u);
-  states.x_0 = mix(uvec4(kNoFrictionState), states.x_0, bvec4(touched));
-  states.x_1 = mix(uvec4(kNoFrictionState), states.x_1, bvec4(touched));
-  return states;
-}
-
-void writeShears(uint first, ShearStates states) {
-  state[first + kShearStates] = states.x_0;
-  state[first + kShearStates + 1u] = states.y_0;
-  if (VARIATION) state[first + kShearStates + 2u] = states.x_1;
-  if (VARIATION) state[first + kShearStates + 3u] = states.y_1;
-}
-
 const bool kHasStates = kStoresTouched || RELAXATION > 0;
 const bool kUnrollsRows = EITHER(kHasStates, OUTPUT_JACOBIAN);
 const uint kSamplesAtOnce = kUnrollsRows ? 4u : 1u;  // of a row
 // The code of four samples exceeds a processor's cache for instructions.
 const uint kUnrolledSamples = kUnrollsRows ? 2u : 1u;
 const uint kUnrolledRows = kUnrollsRows ? 1u : 2u;  // four take more time, driver/README.md
-
-// Words of the samples of a taxel's row and of the rows before and after it, as in the tile; kEmpty where there is no sample or no surface.
-struct RowWords {
-  uvec4 before, here, after;
-};
-bool keepsRows() { return OUTPUT_JACOBIAN && !AREA && SAMPLES <= 4u; }
 
 // Words of the `row`th row of the taxel whose samples begin at `base` of the tile and at `first_sample` of the patch.
 uvec4 wordsOfRow(Tile tile, TileStep step, uvec2 base, vec2 first_sample, uint row, inout Found found) {
@@ -137,7 +159,7 @@ uvec4 wordsOfRow(Tile tile, TileStep step, uvec2 base, vec2 first_sample, uint r
     if (b < SAMPLES && row < SAMPLES) {
       uint word;
       float height = sampleHeight(tile, step.only, address + b, vec2(x, samplePosition(tile, first_sample + vec2(0, b)).y), found, word);
-      words[b] = height >= kMiss ? kEmpty : word;
+      words[b] = height >= kNoHeight ? kEmpty : word;
     }
   }
   return words;
@@ -188,31 +210,6 @@ SampleShear sampleShear(TileStep step, inout ShearStates states, uint i, CellPoi
   return sum;
 }
 
-// Words of the samples before and after the sample `at` of its taxel along x, then along y.
-uvec4 wordsAround(Tile tile, RowWords rows, uvec2 at, uint address) {
-  uvec4 words = uvec4(kEmpty);
-  if (keepsRows()) {
-    words.xy = uvec2(component(rows.before, at.y), component(rows.after, at.y));
-    if (at.y > 0) words.z = component(rows.here, at.y - 1u);
-    if (at.y + 1u < SAMPLES) words.w = component(rows.here, at.y + 1u);
-  } else {
-    if (at.x > 0) words.x = tile_heights[address - tile.stride];
-    if (at.x + 1u < SAMPLES) words.y = tile_heights[address + tile.stride];
-    if (at.y > 0) words.z = tile_heights[address - 1u];
-    if (at.y + 1u < SAMPLES) words.w = tile_heights[address + 1u];
-  }
-  return words;
-}
-
-// f' and G of a sample under the pressure f (Pa), from the words around it. `surface`: depth where the tile's height is 0, m.
-Stiffness stiffnessAmong(Tile tile, float surface, uvec4 around, float height, float f) {
-  float d = surface - height;
-  vec2 before = surface - vec2(withoutSlot(around.x), withoutSlot(around.z)),
-       after = surface - vec2(withoutSlot(around.y), withoutSlot(around.w));
-  vec2 steps = vec2(stepOfDepth(tile, d, before.x, after.x), stepOfDepth(tile, d, before.y, after.y));
-  return stiffnessAt(tile, d, length(steps), f);
-}
-
 // Sums over the samples of the taxel at `in_tile`; adds it to `cell` and `change` of the tactile Jacobian. Long function: the sums share
 // what a sample loads.
 TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found, inout Cell cell, inout vec3 change[6]) {
@@ -247,7 +244,7 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
         ShearStates shear_states;
         uvec4 depths;
         if (RELAXATION > 0) skin_states = readSkin(states_at);
-        if (kShears) shear_states = readShears(states_at, touched);
+        if (FRICTION) shear_states = readShears(states_at, touched);
         if (HAS_STATE) depths = mix(uvec4(0), fourOf(PastState, states_at + kDepthState), bvec4(touched));
         for (uint part = 0; part < kSamplesAtOnce; part += kUnrolledSamples) [[unroll]] for (uint k = 0; k < kUnrolledSamples; ++k) {
             uint i = part + k, b = first + i;
@@ -276,14 +273,14 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
                                          : stiffnessAmong(tile, step.surface, wordsAround(tile, rows, uvec2(a, b), address), height, f);
               addSample(row, b, rim, position.y, f, stiffness);
             }
-            if (kShears) {
+            if (FRICTION) {
               SampleShear sample_shear = sampleShear(step, shear_states, i, points, word, position, d, share, f);
               shear += sample_shear.traction;
               shear_moment += sample_shear.moment;
             }
           }
         if (RELAXATION > 0 && kUpdatesSkin) writeSkin(states_at, skin_states);
-        if (kShears) writeShears(states_at, shear_states);
+        if (FRICTION) writeShears(states_at, shear_states);
         if (HAS_STATE) state[states_at + kDepthState] = depths;
       }
       if (OUTPUT_JACOBIAN) addRow(cell, row, a, rim, x);
@@ -292,38 +289,6 @@ TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found,
   } while (first_row < SAMPLES);
   if (OUTPUT_WRENCH_CHANGE) addToChange(tile, change, cell, rim, first_sample);
   return TaxelSums(depth_sum, force, moment, shear, shear_moment, deep, slope);
-}
-
-// Writes one taxel and adds to the wrench (normal force, torque about x, y and z of P) and shear of its lane.
-void writeTaxel(Tile tile, uint instance, uvec2 in_patch, TaxelSums sums, Cell cell, inout vec4 wrench, inout vec2 lane_shear) {
-  const float kPerSample = 1.0 / float(SAMPLES * SAMPLES);
-  float force = sums.force * tile.force_area;
-  vec2 moment = sums.moment * tile.force_area;
-  uint in_sensor = tile.grid.z + in_patch.x * tile.grid.y + in_patch.y;
-  uint taxel = instance * NUM_TAXELS + in_sensor;
-  float scale = SCALED ? floatOfFours(SpreadScale, in_sensor) : 1.0;
-  contact_normal[taxel] = SCALED ? force * scale : force;
-  if (OUTPUT_DEPTH) contact_depth[taxel] = sums.depth * kPerSample;
-  if (OUTPUT_JACOBIAN) writeCell(tile, taxel, cell);
-  // The skin is pressed along -z: torque (x, y, 0) x (0, 0, -f).
-  wrench += vec4(force, -moment.y, moment.x, kSumsSlopes ? sums.slope * tile.force_area : 0.0);
-  if (!kShears) return;
-  vec2 shear = sums.shear * tile.force_area;
-  if (OUTPUT_SHEAR) writeShear(taxel, SCALED ? shear * scale : shear);
-  wrench.yzw += sums.shear_moment * tile.force_area;
-  lane_shear += shear;
-}
-
-// Rounds that all lanes take together: as many as the lane with the most of the `num_active` taxels needs. `touched`: this lane's, if
-// kSkipsTaxels.
-uint numRounds(uint touched, uint num_active) {
-  if (!kSkipsTaxels) return (num_active + LANES - 1u) / LANES;
-  if (kInRegisters) return largestOverVector(uint(bitCount(touched)));
-  atomicMax(most_touched, uint(bitCount(touched)));
-  workgroupBarrier();
-  uint most = most_touched;
-  if (WORKGROUP < LANES) workgroupBarrier();
-  return most;
 }
 
 // Computes all active taxels, each by one of LANES lanes, which leave partial sums of the wrench.
@@ -352,7 +317,7 @@ void pressTaxels(Tile tile, TileStep step, ActiveTaxels taxels, inout Found foun
     checkLoop(k < num_active);
     if (owns) {
       setPartial(v, wrench);
-      if (kShears) setPartialShear(v, lane_shear);
+      if (FRICTION) setPartialShear(v, lane_shear);
       if (OUTPUT_WRENCH_CHANGE) writeChange(tile, step.result * LANES + v, change);
     }
     v += WORKGROUP;
@@ -360,3 +325,5 @@ void pressTaxels(Tile tile, TileStep step, ActiveTaxels taxels, inout Found foun
   if (deep > 0) atomicAdd(num_deep, deep);
   if (NUM_ROWS == 0 && found.below_floor && tile.X_PS.row2.z > kLooksUp) atomicOr(any_behind, 1u);
 }
+
+#endif

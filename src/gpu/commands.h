@@ -28,7 +28,7 @@ class Commands {
   Commands& operator=(Commands&&) noexcept;
 
   // `num_groups` workgroups, folded into two dimensions where one holds too few; kernels find their number with workgroupNumber() of
-  // shaders/common/workgroup.glsl.
+  // shaders/passes/declare.glsl.
   template <typename Pass>
   void dispatch(const PassKernel<Pass>& kernel, std::uint32_t num_groups, const Bindings& bindings) {
     dispatch(static_cast<const Kernel&>(kernel), num_groups, bindings.of<Pass>());

@@ -27,7 +27,7 @@ struct FastPaths {
 // for an unknown name.
 FastPaths fastPaths();
 
-// A kernel, and the same kernel compiled for workgroups in lockstep: shaders/driver/barrier.glsl.
+// A kernel, and the same kernel compiled for workgroups in lockstep: shaders/driver/workgroup.glsl.
 struct ShaderVariants {
   std::span<const std::uint32_t> any, lockstep;
 };

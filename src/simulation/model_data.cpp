@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "gpu/device_access.h"
-#include "shared/candidates.h"
+#include "shared/batch.h"
 #include "simulation/passes/tile_plan.h"
 #include "taxelsim/error.h"
 
@@ -156,7 +156,7 @@ gpu::Context& ModelData::context() const {
 std::uint32_t ModelData::numSampleStates() const {
   if (layer) return 0;
   const auto terms = static_cast<std::uint32_t>(sensor.skin.relaxation.size());
-  const std::uint32_t points = variation() ? 2 : 1;  // of a sample, cell_points.glsl
+  const std::uint32_t points = variation() ? 2 : 1;  // of a sample, shaders/skin/law.glsl
   return (terms > 0 ? 1 + terms : 0) + (hasFriction() ? 2 * points : 0) + (law.has_state ? 1 : 0);
 }
 

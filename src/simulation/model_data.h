@@ -63,7 +63,7 @@ struct ModelData {
   bool area() const { return sensor.depth_sampling == DepthSampling::kArea; }
   // Words that a sample of the contact pass keeps between steps, shaders/skin/sample_states.glsl.
   std::uint32_t numSampleStates() const;
-  // Whether cells of area sampling know how the depth varies within them, cell_points.glsl.
+  // Whether cells of area sampling know how the depth varies within them, shaders/skin/law.glsl.
   bool variation() const { return area() && (isElasticLayer() || hasFriction() || foundationOf(sensor.skin).normal_exponent != 1); }
   bool isElasticLayer() const { return std::holds_alternative<ElasticLayer>(sensor.skin.law); }
   bool hasMask() const { return std::holds_alternative<DeformationMask>(sensor.skin.law); }

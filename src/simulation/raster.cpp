@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "shared/objects.h"
+#include "shared/model.h"
 
 namespace taxelsim {
 namespace {

@@ -13,7 +13,6 @@
 #include "base/philox.h"
 #include "base/text.h"
 #include "shared/batch.h"
-#include "shared/candidates.h"
 #include "shared/features.h"
 #include "simulation/batch_plan.h"
 #include "simulation/frame_view.h"

@@ -1,4 +1,4 @@
-// Area sampling where the mean depth of a cell is not enough (shaders/skin/cell_points.glsl): exponents other than 1 and friction, against
+// Area sampling where the mean depth of a cell is not enough (shaders/skin/law.glsl): exponents other than 1 and friction, against
 // closed forms and the double-precision twin, next to point sampling.
 #include <gtest/gtest.h>
 

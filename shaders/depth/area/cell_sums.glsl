@@ -5,6 +5,10 @@
 // instance has one slot, the sums of volume and share begin at the words of an empty tile: they take no more shared memory, so that a GPU's
 // core has room for more workgroups.
 // Shared memory: 8 TILE_SAMPLES with ONE_VECTOR or MANY_SLOTS, else 0; 12 TILE_SAMPLES with VARIATION.
+#ifndef DEPTH_AREA_CELL_SUMS_GLSL
+#define DEPTH_AREA_CELL_SUMS_GLSL
+
+#include "depth/tile_heights.glsl"
 
 const float kVolumeUnits = 134217728.0;  // units per cell area times Tile::deepest; 2^27 leaves room for sixteen surfaces above each other
 const float kCoveredUnits = 1048576.0;   // units per cell area
@@ -134,3 +138,16 @@ CellSums takeSums(Tile tile, uint address) {
   clearSums(address);
   return sums;
 }
+
+void clearHeights() {
+  for (uint address = gl_LocalInvocationIndex; address < TILE_SAMPLES; address += WORKGROUP) {
+    tile_heights[address] = kEmpty;
+    if (AREA) {
+      cell_shares[address] = kWhole;
+      clearSums(address);
+    }
+    if (VARIATION) cell_variations[address] = 0;
+  }
+}
+
+#endif

@@ -1,10 +1,64 @@
 // Area sampling of closed meshes: the facets that look down are clipped at the level of the skin, and add their exact integrals to the
-// cells that they cover (depth/area/edge_sums.glsl, depth/area/cell_depths.glsl). Coordinates (u, v): cell (a, b) of the tile is [a, a + 1]
+// cells that they cover (depth/area/facets.glsl, depth/area/cell_depths.glsl). Coordinates (u, v): cell (a, b) of the tile is [a, a + 1]
 // x [b, b + 1].
 //
 // Facets that touch are listed first, so that all lanes of a vector have one: of small triangles an invocation adds one facet to all its
 // cells; the cells of a large one are shared by all invocations, and only the cells on its outline need sums over edges.
 // Shared memory: 4 kMostFacets + 8 bytes.
+#ifndef DEPTH_AREA_FACETS_GLSL
+#define DEPTH_AREA_FACETS_GLSL
+
+#include "depth/mesh.glsl"
+#include "depth/solids.glsl"
+#include "depth/area/cell_sums.glsl"
+
+// ---- exact integrals over the part of a polygon that lies in a cell ----
+//
+// The cell is the unit square. By Green's theorem the area, and the moments about the corner of the cell, are sums over the directed edges
+// of a counter-clockwise polygon in (u, v).
+//
+//   v ^    1 +----------+      Between the ends of an edge, clamped to the cell along u, the cell holds the trapezoid under
+//     |      |    /|    |      the edge; where the edge is above the cell, a whole column. Edges that go back along u
+//     |      |  /  |    |      subtract. The sums of both polygons on an edge cancel.
+//     |    0 +-----+----+
+//     +------> u
+
+struct EdgeSums {
+  vec3 first;   // area, moments along u and v
+  vec3 second;  // moments of uu, uv and vv; with VARIATION
+};
+
+// Rates dv/du and du/dv of the edge from p to q; finite.
+vec2 ratesOf(vec2 p, vec2 q) {
+  const float kLargest = 1e30;
+  vec2 along = q - p;
+  return vec2(along.x != 0.0 ? along.y / along.x : 0.0, along.y != 0.0 ? clamp(along.x / along.y, -kLargest, kLargest) : kLargest);
+}
+
+// Subtracts the part of the cell under the edge from p to q from the sums.
+void addEdge(vec2 p, vec2 q, vec2 rates, inout EdgeSums sums) {
+  float u0 = clamp(p.x, 0.0, 1.0), u1 = clamp(q.x, 0.0, 1.0);
+  float v0 = p.y + (u0 - p.x) * rates.x, v1 = q.y + (u1 - q.x) * rates.x;
+  float a = clamp(v0, 0.0, 1.0), b = clamp(v1, 0.0, 1.0);
+  // Where the edge enters and leaves 0 <= v <= 1.
+  float low = min(u0, u1), high = max(u0, u1);
+  float ua = clamp(u0 + (a - v0) * rates.y, low, high), ub = clamp(u1 + (b - v1) * rates.y, low, high);
+  float width = ub - ua;
+  vec2 before = v0 > 1.0 ? vec2(ua - u0, 0.5 * (ua * ua - u0 * u0)) : vec2(0),
+       after = v1 > 1.0 ? vec2(u1 - ub, 0.5 * (u1 * u1 - ub * ub)) : vec2(0);
+  sums.first.x -= 0.5 * width * (a + b) + before.x + after.x;
+  sums.first.y -= width * (ua * (2.0 * a + b) + ub * (a + 2.0 * b)) * (1.0 / 6.0) + before.y + after.y;
+  sums.first.z -= width * (a * a + a * b + b * b) * (1.0 / 6.0) + 0.5 * (before.x + after.x);
+  if (!VARIATION) return;
+  float columns = (v0 > 1.0 ? ua * ua * ua - u0 * u0 * u0 : 0.0) + (v1 > 1.0 ? u1 * u1 * u1 - ub * ub * ub : 0.0);
+  sums.second.x -=
+      width * (ua * ua * (3.0 * a + b) + 2.0 * ua * ub * (a + b) + ub * ub * (a + 3.0 * b)) * (1.0 / 12.0) + columns * (1.0 / 3.0);
+  sums.second.y -= width * (ua * (3.0 * a * a + 2.0 * a * b + b * b) + ub * (a * a + 2.0 * a * b + 3.0 * b * b)) * (1.0 / 24.0) +
+                   0.5 * (before.y + after.y);
+  sums.second.z -= width * (a + b) * (a * a + b * b) * (1.0 / 12.0) + (before.x + after.x) * (1.0 / 3.0);
+}
+
+// ---- facets ----
 
 // A triangle, or two in one plane, counter-clockwise in (u, v); z is the depth under the skin, m. A triangle has c twice.
 struct Facet {
@@ -237,7 +291,8 @@ Facet listedFacet(Tile tile, MeshView view, uint number) {
   return facet;
 }
 
-uint quadNumbered(uint i, bool is_candidate, uint first);
+// A quad that listQuads() or, from `first` on, find_candidates.comp has found.
+uint quadNumbered(uint i, bool is_candidate, uint first) { return is_candidate ? wordOfFours(CandidateQuads, first + i) : listedQuad(i); }
 
 // Adds quads that quadNumbered() gives, from 0 to `count`. All invocations call it.
 void addQuads(Tile tile, MeshView view, bool is_candidate, uint first, uint count, inout Found found) {
@@ -267,3 +322,84 @@ void addQuads(Tile tile, MeshView view, bool is_candidate, uint first, uint coun
       start += kQuadsPerChunk;
     } while (start < count);
 }
+
+// ---- facets of solids ----
+//
+// Area sampling of half-spaces, by two quads; of cones, and of cylinders whose ends look up and down, by the facets of a prism or pyramid
+// of kSides sides with the same area of every section, so that the outlines of flat ends are exact integrals (depth/area/facets.glsl). It
+// deviates by at most 2.1e-4 of the radius.
+
+const uint kSides = 128u;
+const float kSideAngle = 6.2831853072 / float(kSides);
+const float kSameArea = 1.00020083;  // radius of a polygon over that of a circle of the same area: sqrt(angle / sin(angle))
+const float kUpright = 0.7;          // cosine of the axis to z of P, from which a cylinder has facets
+
+bool hasFacets(Solid solid) {
+  return isKind(solid.kind, kKindCone) || isKind(solid.kind, kKindCylinder) && abs(solid.X_PO.row2.z) > kUpright;
+}
+
+// A point of P in cells of the tile and depth.
+vec3 inCells(Tile tile, vec3 p_P) { return vec3((p_P.xy - tile.corner) / tile.spacing - tile.first + 0.5, -p_P.z); }
+vec3 inCells(Tile tile, Solid solid, vec3 p) { return inCells(tile, apply(solid.X_PO, p)); }
+
+// All invocations share the facets.
+void addRound(Tile tile, Solid solid, inout Found found) {
+  bool is_cone = isKind(solid.kind, kKindCone);
+  float radius = solid.parameters.x * kSameArea, low_radius = is_cone ? 0.0 : radius;
+  float low_z = is_cone ? 0.0 : -solid.parameters.y, high_z = solid.parameters.y;
+  vec3 low = inCells(tile, solid, vec3(0, 0, low_z)), high = inCells(tile, solid, vec3(0, 0, high_z));
+  uint i = gl_LocalInvocationIndex;
+  for (; i < 4u * kSides; i += WORKGROUP) {
+    uint which = i / kSides;  // two triangles of the flank, one of each end
+    float angle = float(i) * kSideAngle, next = float(i + 1) * kSideAngle;
+    vec2 from = vec2(cos(angle), sin(angle)), to = vec2(cos(next), sin(next));
+    vec3 p = inCells(tile, solid, vec3(low_radius * from, low_z)), q = inCells(tile, solid, vec3(low_radius * to, low_z));
+    vec3 r = inCells(tile, solid, vec3(radius * from, high_z)), s = inCells(tile, solid, vec3(radius * to, high_z));
+    Facet facet;
+    bool looks_down = facetOf(which == 2u   ? high
+                              : which == 3u ? low
+                                            : p,
+                              which == 0u || which == 3u ? q
+                              : which == 1u              ? s
+                                                         : r,
+                              which < 1u    ? s
+                              : which == 1u ? r
+                              : which == 2u ? s
+                                            : p,
+                              facet);
+    if (looks_down) addFacet(tile, facet, found);
+  }
+  checkLoop(i < 4u * kSides);
+}
+
+// A half-space under the tile, by two quads that lie one behind the other along the plane's gradient: a ramp from the skin's surface to
+// full depth, then what is deeper, down to where the tile sees no further. So no depth exceeds the thickness, however steep the plane is.
+// All invocations call it.
+void addHalfSpace(inout Tile tile, Solid solid, inout Found found) {
+  const float kLeastAcross = 1e-9;
+  vec3 normal = vec3(solid.X_PO.row0.z, solid.X_PO.row1.z, solid.X_PO.row2.z),
+       at = vec3(solid.X_PO.row0.w, solid.X_PO.row1.w, solid.X_PO.row2.w);
+  vec2 half_size = 0.5 * (tile.end - tile.first) * tile.spacing, middle = samplePosition(tile, 0.5 * (tile.first + tile.end - 1.0));
+  float slope = length(normal.xy), across = max(slope, kLeastAcross), descent = max(normal.z, kLeastDescent);
+  vec2 ahead = slope > kLeastAcross ? normal.xy / slope : vec2(1, 0);
+  float inside = dot(middle - at.xy, normal.xy) - normal.z * at.z;  // m, how far the middle of the tile is inside
+  // Where along `ahead` the plane is at these depths, within the tile.
+  float extent = dot(abs(ahead), half_size);
+  vec3 ends = clamp((descent * vec3(0, THICKNESS, -tile.z_floor) - inside) / across, -extent, extent);
+  if (NUM_ROWS > 0) ends.z = extent;
+  found.below_floor = found.below_floor || ends.z < extent;
+  vec2 depths = clamp((inside + across * ends.xy) / descent, 0.0, THICKNESS);
+  tile.deepest = THICKNESS;
+  vec2 aside = vec2(-ahead.y, ahead.x) * length(half_size);
+  for (uint k = 0; k < 4; ++k) {  // two triangles of the ramp, two of full depth
+    bool is_ramp = k < 2;
+    vec2 from = middle + ahead * (is_ramp ? ends.x : ends.y), to = middle + ahead * (is_ramp ? ends.y : ends.z);
+    float from_depth = is_ramp ? depths.x : THICKNESS, to_depth = is_ramp ? depths.y : THICKNESS;
+    vec3 p = inCells(tile, vec3(from - aside, -from_depth)), q = inCells(tile, vec3(to + aside, -to_depth));
+    vec3 r = (k & 1u) == 0 ? inCells(tile, vec3(from + aside, -from_depth)) : inCells(tile, vec3(to - aside, -to_depth));
+    Facet facet;
+    if (facetOf(p, (k & 1u) == 0 ? r : q, (k & 1u) == 0 ? q : r, facet)) addLargeFacet(tile, facet, found);
+  }
+}
+
+#endif

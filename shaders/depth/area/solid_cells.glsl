@@ -4,10 +4,112 @@
 // The integral of a quadratic depth has a closed form inside of the contact, and along each of kLines lines through a cell on the contact's
 // edge. A convex solid lies above its tangent plane, which discards cells that nothing touches. Through each of the other cells go
 // kScanLines lines along y; Gauss's rule with two nodes in each of three pieces of what touches integrates along a line
-// (depth/area/chords.glsl). Twin: src/reference/mean_depth.cpp.
+// (depth/area/solid_cells.glsl). Twin: src/reference/mean_depth.cpp.
 //
 // Cells on the edge and cells with scan lines are listed first: a vector processor takes a branch with all its lanes.
 // Shared memory: 8 bytes.
+#ifndef DEPTH_AREA_SOLID_CELLS_GLSL
+#define DEPTH_AREA_SOLID_CELLS_GLSL
+
+#include "depth/solids.glsl"
+#include "depth/area/cell_sums.glsl"
+
+// ---- chords ----
+//
+// Where a solid touches a line x = const of P: the part of the line over which the solid is below z = 0, in closed form for cylinder,
+// capsule and sphere. Lengths in m, in P. The level is z = 0.
+//
+// The part of a convex solid below the level is convex, so that it touches the line in one piece. The ends of the piece are points of the
+// level's section of the tube, of the silhouettes of the tube, or of its ends: rims of a cylinder, spheres of a capsule.
+
+// A tube around an axis. A sphere is a capsule without length.
+struct Tube {
+  vec3 middle, axis;  // the axis has unit length and does not point down
+  float radius, half_length;
+  vec2 ahead;       // the axis seen from above, of unit length
+  float per_level;  // 1 over the length of the axis seen from above
+};
+
+Tube tubeOf(Solid solid) {
+  vec3 axis = vec3(solid.X_PO.row0.z, solid.X_PO.row1.z, solid.X_PO.row2.z);
+  vec3 middle = vec3(solid.X_PO.row0.w, solid.X_PO.row1.w, solid.X_PO.row2.w);
+  if (axis.z < 0.0) axis = -axis;
+  const float kUprightLevel = 1e-4;
+  float per_level = 1.0 / max(length(axis.xy), kUprightLevel);
+  vec2 ahead = axis.xy * per_level;
+  return Tube(middle, axis, solid.parameters.x, solid.kind == kKindSphere ? 0.0 : solid.parameters.y, ahead, per_level);
+}
+
+void extend(inout vec2 piece, float y) { piece = vec2(min(piece.x, y), max(piece.y, y)); }
+
+// The tube's section with the level.
+void extendBySection(Tube tube, float dx, inout vec2 piece) {
+  vec3 a = tube.axis;
+  float along = dx * a.x - tube.middle.z * a.z, square = 1.0 - a.y * a.y;
+  // |d|^2 - (d . a)^2 <= radius^2 for d = (dx, y, -middle.z), and |d . a| <= half_length.
+  float half_b = -a.y * along, c = dx * dx + tube.middle.z * tube.middle.z - along * along - tube.radius * tube.radius;
+  float q = half_b * half_b - square * c;
+  if (square > 1e-9 ? q < 0.0 : c > 0.0) return;
+  vec2 inside = square > 1e-9 ? (vec2(-1, 1) * sqrt(max(q, 0.0)) - half_b) / square : vec2(kBottomless, kNoHeight);
+  inside = both(inside, slab(along, a.y, -tube.half_length, tube.half_length));
+  if (inside.x > inside.y) return;
+  extend(piece, tube.middle.y + inside.x);
+  extend(piece, tube.middle.y + inside.y);
+}
+
+// The two lines along the tube whose normals are horizontal.
+void extendBySilhouettes(Tube tube, float dx, inout vec2 piece) {
+  vec3 a = tube.axis;
+  float level = length(a.xy);
+  if (level < 1e-6 || abs(a.x) < 1e-9) return;
+  vec2 normal = vec2(a.y, -a.x) * (tube.radius / level);
+  for (float side = -1.0; side < 2.0; side += 2.0) {
+    float t = (dx - side * normal.x) / a.x;
+    if (abs(t) <= tube.half_length && tube.middle.z + t * a.z < 0.0) extend(piece, tube.middle.y + t * a.y + side * normal.y);
+  }
+}
+
+// A rim of a cylinder. Returns its piece of the line, empty where the rim does not reach the line.
+vec2 extendByRim(Tube tube, vec3 end, float x, inout vec2 piece) {
+  vec3 a = tube.axis;
+  float square = a.y * a.y + a.z * a.z, per_root = inversesqrt(max(square, 1e-12));
+  // The rim's plane is spanned by w in x and u along the plane x = const.
+  float s = (x - end.x) * per_root, q = tube.radius * tube.radius - s * s;
+  if (q < 0.0 || square < 1e-9) return vec2(kNoHeight, kBottomless);
+  vec2 t = vec2(-1, 1) * sqrt(q) * per_root, across = end.yz - s * per_root * a.x * a.yz;
+  vec2 y = across.x + t * a.z, z = across.y - t * a.y;
+  if (z.x < 0.0) extend(piece, y.x);
+  if (z.y < 0.0) extend(piece, y.y);
+  return y;
+}
+
+void extendBySphere(vec3 end, float radius, float x, inout vec2 piece) {
+  float dx = x - end.x, up = max(end.z, 0.0), q = radius * radius - dx * dx - up * up;
+  if (q < 0.0) return;
+  extend(piece, end.y - sqrt(q));
+  extend(piece, end.y + sqrt(q));
+}
+
+// The piece of the line that the tube touches, x and w, and the part of it that the lower end of a cylinder has, y and z. Nothing where x >
+// w.
+vec4 chordOf(Tube tube, bool is_cylinder, float x) {
+  vec2 piece = vec2(kNoHeight, kBottomless);
+  vec3 low = tube.middle - tube.half_length * tube.axis, high = tube.middle + tube.half_length * tube.axis;
+  extendBySection(tube, x - tube.middle.x, piece);
+  extendBySilhouettes(tube, x - tube.middle.x, piece);
+  vec2 flat_end = vec2(kNoHeight, kBottomless);
+  if (is_cylinder) {
+    flat_end = extendByRim(tube, low, x, piece);
+    extendByRim(tube, high, x, piece);
+  } else {
+    extendBySphere(low, tube.radius, x, piece);
+    extendBySphere(high, tube.radius, x, piece);
+  }
+  if (flat_end.x > flat_end.y) flat_end = mix(piece.xx, piece.yy, vec2(1.0, 2.0) / 3.0);
+  return vec4(piece.x, flat_end, piece.y);
+}
+
+// ---- cells ----
 
 const uint kLines = 4u;
 const uint kScanLines = 8u;
@@ -18,12 +120,12 @@ const float kGauss = 0.5773502692;  // nodes of Gauss's rule on [-1, 1]
 LIST_LENGTH uint num_edge_cells;
 LIST_LENGTH uint num_scan_cells;
 
-// Height (m) of the solid's lowest surface over a place of P; kMiss without one.
+// Height (m) of the solid's lowest surface over a place of P; kNoHeight without one.
 float heightAt(Tile tile, Solid solid, vec2 xy, inout Found found) {
   float z = analyticHeight(solid.kind, solid.parameters, solid.X_PO, xy, tile.z_floor, found);
   bool below_floor = NUM_ROWS == 0 && z < tile.z_floor;
   found.below_floor = found.below_floor || below_floor;
-  return below_floor ? kMiss : z;
+  return below_floor ? kNoHeight : z;
 }
 
 float depthUnder(float z) { return clamp(-z, 0.0, THICKNESS); }
@@ -106,7 +208,7 @@ Quadratic sphereUnder(vec3 middle, float radius, vec2 xy, out float height) {
   height = sqrt(max(radius * radius - dot(d, d), 0.0));  // of the middle over the surface
   float per_height = 1.0 / max(height, 1e-3 * radius);
   vec2 gradient = d * per_height;
-  return Quadratic(height - middle.z, -gradient, vec3(1.0 + gradient * gradient, gradient.x * gradient.y) * per_height, kMiss, vec2(0));
+  return Quadratic(height - middle.z, -gradient, vec3(1.0 + gradient * gradient, gradient.x * gradient.y) * per_height, kNoHeight, vec2(0));
 }
 
 // The lower side of a tube. `along`: how far along the axis the surface is, m, and how fast that changes.
@@ -119,7 +221,8 @@ Quadratic tubeUnder(Tube tube, vec2 xy, out float height, out float along, out v
   along = u / tube.per_level + tube.axis.z * z;
   rate = tube.ahead * tube.per_level + aside * (tube.axis.z * slope);
   float bend = tube.radius * tube.radius * per_height * per_height * per_height * tube.per_level;
-  return Quadratic(-tube.middle.z - z, -tube.ahead * rise - aside * slope, bend * vec3(aside * aside, aside.x * aside.y), kMiss, vec2(0));
+  return Quadratic(-tube.middle.z - z, -tube.ahead * rise - aside * slope, bend * vec3(aside * aside, aside.x * aside.y), kNoHeight,
+                   vec2(0));
 }
 
 // The lowest surface over the cell in whose middle xy is. False where it is not a quadratic.
@@ -187,7 +290,7 @@ CellSums integralInside(Quadratic surface, vec2 spacing) {
 // `deepest`: in the cell.
 CellSums integralOf(Quadratic surface, vec2 half_size, float deepest) {
   vec2 change = half_size * abs(surface.slope) + 0.5 * half_size * half_size * surface.bend.xy;
-  if (surface.end < kMiss) change = abs(surface.end_slope);
+  if (surface.end < kNoHeight) change = abs(surface.end_slope);
   bool is_turned = change.x > change.y;  // lines along the steeper axis meet the edge
   if (is_turned) {
     surface.slope = surface.slope.yx;
@@ -229,7 +332,7 @@ uint placeOf(Tile tile, Quadratic surface, bool is_quadratic, out float deepest)
   deepest = surface.depth + change;
   if (!is_quadratic || NUM_ROWS == 0 && deepest > -tile.z_floor) return kScanned;
   if (deepest <= 0.0) return kOutside;
-  return surface.depth - change - bend < 0.0 || deepest > THICKNESS || surface.end < kMiss ? kEdge : kInside;
+  return surface.depth - change - bend < 0.0 || deepest > THICKNESS || surface.end < kNoHeight ? kEdge : kInside;
 }
 
 // Gives the cells that a solid may touch to it.
@@ -256,7 +359,7 @@ void addSolid(Tile tile, Solid solid, uint slot, inout Found found) {
           giveCell(tile, at.x * tile.stride + at.y, slot, integralInside(surface, tile.spacing), found);
         }
       }
-      uint edge_place = placeIn(num_edge_cells, place == kEdge), scan_place = placeIn(num_scan_cells, place == kScanned);
+      uint edge_place = appended(num_edge_cells, place == kEdge), scan_place = appended(num_scan_cells, place == kScanned);
       if (place >= kEdge) listed_cells[place == kEdge ? edge_place : kMostListed - 1u - scan_place] = packed;
       i += WORKGROUP;
     } while (i - gl_LocalInvocationIndex < end);
@@ -288,3 +391,5 @@ void addSolid(Tile tile, Solid solid, uint slot, inout Found found) {
   } while (start < count);
   grow(found.samples, band.box);
 }
+
+#endif

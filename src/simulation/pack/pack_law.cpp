@@ -7,7 +7,7 @@
 #include "mass_spring_damper_variants.h"
 #include "proximity_variants.h"
 #include "sensor/deformation_mask.h"
-#include "shared/sensor.h"
+#include "shared/model.h"
 
 namespace taxelsim {
 namespace {

@@ -27,7 +27,7 @@ struct PackedLaw {
   float reach = 0;                          // surfaces matter up to this height over the skin, m
   std::array<float, 3> parameters{};        // STIFFNESS, EXPONENT, DAMPING of shaders/passes/contact.h
   bool has_state = false;                   // the law needs the depth of every sample in the step before
-  bool has_bristles = false;                // shear by shaders/skin/laws/lugre.glsl
+  bool has_bristles = false;                // shear by shaders/skin/law.glsl
   std::array<float, 6> bristles{};          // BRISTLE_STIFFNESS to STRIBECK_VELOCITY of shaders/passes/contact.h
   std::vector<TaxelPass> taxel_passes{};    // in order
   std::array<float, 2> taxel_parameters{};  // LAW_0, LAW_1 of shaders/passes/taxel_law.h

@@ -133,7 +133,7 @@ void packFaces(const std::vector<Face>& faces, PackedObjects& packed, layout::Ob
   }
 }
 
-// Kind and parameters of an analytic solid, as shaders/depth/analytic.glsl reads them.
+// Kind and parameters of an analytic solid, as shaders/depth/solids.glsl reads them.
 struct PackSolid {
   layout::ObjectRecord& record;
 

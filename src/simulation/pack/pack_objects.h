@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "shared/objects.h"
+#include "shared/model.h"
 #include "simulation/raster.h"
 #include "taxelsim/object.h"
 
@@ -13,7 +13,7 @@ namespace taxelsim {
 
 struct PackedObjects {
   std::vector<layout::ObjectRecord> objects;
-  std::vector<glm::uvec4> groups;  // boxes of the meshes' groups, shared/objects.h
+  std::vector<glm::uvec4> groups;  // boxes of the meshes' groups, shared/model.h
   std::vector<glm::uvec4> clusters;
   std::vector<std::uint32_t> quads;  // of triangles
   std::vector<glm::vec4> faces;      // of polyhedra: normal and offset (m), in O

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "shared/sensor.h"
+#include "shared/model.h"
 #include "taxelsim/sensor.h"
 
 namespace taxelsim {

@@ -6,9 +6,7 @@
 
 #include "passes/blocks.h"
 #include "shared/batch.h"
-#include "shared/candidates.h"
-#include "shared/objects.h"
-#include "shared/sensor.h"
+#include "shared/model.h"
 #include "shared/servo.h"
 
 namespace taxelsim::block {

@@ -2,7 +2,7 @@
 
 #include "find_candidates_variants.h"
 #include "keep_candidates_variants.h"
-#include "shared/candidates.h"
+#include "shared/batch.h"
 
 namespace taxelsim {
 

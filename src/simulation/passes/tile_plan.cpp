@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <string>
 
-#include "shared/candidates.h"
-#include "shared/iterations.h"
+#include "shared/batch.h"
+#include "shared/model.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

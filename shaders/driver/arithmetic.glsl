@@ -1,4 +1,10 @@
-// Rounds floats to integers, and divides small integers, without the operations that Mesa's software driver computes lane by lane.
+// Roundings of floats to integers, divisions of small integers and logical operations in constants, in the form that software drivers need.
+#ifndef DRIVER_ARITHMETIC_GLSL
+#define DRIVER_ARITHMETIC_GLSL
+
+// Logical operations in constants from which others follow. Mesa 22.3 builds no pipeline with "||" or "&&" in such an expression.
+#define EITHER(a, b) ((uint(a) | uint(b)) != 0u)
+#define BOTH(a, b) ((uint(a) & uint(b)) != 0u)
 
 // The integer nearest to a float within +-2^22, from the last bits of the sum with 1.5 x 2^23, which is exact (module.cmake). On Mesa's
 // newer software driver int() costs ten times as much.
@@ -18,3 +24,5 @@ uvec2 cellNumbered(uint i, uint num_cols) {
 
 // `rectangle`: first row, end row, first col, end col.
 bool isInside(uvec2 cell, uvec4 rectangle) { return all(greaterThanEqual(cell, rectangle.xz)) && all(lessThan(cell, rectangle.yw)); }
+
+#endif
