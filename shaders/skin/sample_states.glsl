@@ -210,4 +210,27 @@ void updateRestOfSkin(Tile tile, TileSkin tile_skin, uvec2 first, uvec2 count) {
   writeRectangle(tile_skin.state, kReachedTaxels, reached);
 }
 
+// ---- all states of four samples ----
+
+struct SampleStates {
+  SkinStates skin;
+  ShearStates shear;
+  uvec4 depths;
+};
+
+// `first`: statesOf(). `touched`: the step before has touched the taxel.
+SampleStates readStates(uint first, bool touched) {
+  SampleStates states;
+  if (RELAXATION > 0) states.skin = readSkin(first);
+  if (FRICTION) states.shear = readShears(first, touched);
+  if (HAS_STATE) states.depths = mix(uvec4(0), fourOf(PastState, first + kDepthState), bvec4(touched));
+  return states;
+}
+
+void writeStates(uint first, SampleStates states) {
+  if (RELAXATION > 0 && kUpdatesSkin) writeSkin(first, states.skin);
+  if (FRICTION) writeShears(first, states.shear);
+  if (HAS_STATE) state[first + kDepthState] = states.depths;
+}
+
 #endif

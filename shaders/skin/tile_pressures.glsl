@@ -149,16 +149,39 @@ const uint kSamplesAtOnce = kUnrollsRows ? 4u : 1u;  // of a row
 const uint kUnrolledSamples = kUnrollsRows ? 2u : 1u;
 const uint kUnrolledRows = kUnrollsRows ? 1u : 2u;  // four take more time, driver/README.md
 
-// Words of the `row`th row of the taxel whose samples begin at `base` of the tile and at `first_sample` of the patch.
-uvec4 wordsOfRow(Tile tile, TileStep step, uvec2 base, vec2 first_sample, uint row, inout Found found) {
+// A taxel while its samples are summed.
+struct Taxel {
+  uvec2 in_tile;      // row and column in the tile
+  uvec2 base;         // row and column of its first sample in the tile
+  vec2 first_sample;  // the same in the patch
+  bvec4 rim;          // which sides are at the patch's rim: low x, high x, low y, high y
+  bool is_reached;    // its samples have states of relaxation
+  bool is_touched;    // its samples have states of shear and depth
+};
+
+Taxel taxelAt(Tile tile, TileStep step, uvec2 in_tile) {
+  Taxel taxel;
+  taxel.in_tile = in_tile;
+  taxel.base = in_tile * SAMPLES;
+  taxel.first_sample = vec2(taxel.base + tile.first_taxel * SAMPLES);
+  uvec2 in_patch = in_tile + tile.first_taxel;
+  taxel.rim = bvec4(equal(in_patch, uvec2(0)), equal(in_patch + 1u, tile.grid.xy)).xzyw;
+  taxel.is_reached = RELAXATION > 0 && isReached(step.skin, in_tile);
+  taxel.is_touched = kStoresTouched && isInside(in_tile, step.touched) && hasStates(tile, step.state, in_tile);
+  return taxel;
+}
+
+// Words of a row of samples; kEmpty where there is no sample or no surface.
+uvec4 wordsOfRow(Tile tile, TileStep step, Taxel taxel, uint row, inout Found found) {
   uvec4 words = uvec4(kEmpty);
-  float x = samplePosition(tile, first_sample + vec2(row, 0)).x;
+  float x = samplePosition(tile, taxel.first_sample + vec2(row, 0)).x;
   if (!usesTile() && kOnlyPolyhedra) startRow(x);
-  uint address = (base.x + row) * tile.stride + base.y;
+  uint address = (taxel.base.x + row) * tile.stride + taxel.base.y;
   [[unroll]] for (uint b = 0; b < 4u; ++b) {
     if (b < SAMPLES && row < SAMPLES) {
       uint word;
-      float height = sampleHeight(tile, step.only, address + b, vec2(x, samplePosition(tile, first_sample + vec2(0, b)).y), found, word);
+      vec2 position = vec2(x, samplePosition(tile, taxel.first_sample + vec2(0, b)).y);
+      float height = sampleHeight(tile, step.only, address + b, position, found, word);
       words[b] = height >= kNoHeight ? kEmpty : word;
     }
   }
@@ -190,105 +213,97 @@ void addPoint(inout SampleShear sum, TileStep step, inout uvec4 x, inout uvec4 y
   sum.moment += cross(p, vec3(q, 0));
 }
 
-// Of sample `i` under the pressure f (Pa). `height_word`: of the tile.
-SampleShear sampleShear(TileStep step, inout ShearStates states, uint i, CellPoints points, uint height_word, vec2 position, float d,
-                        float share, float f) {
+// Adds the shear of sample `i` of `states` under the pressure f (Pa). `word`: the tile's word.
+void addShear(inout TaxelSums sums, TileStep step, inout ShearStates states, uint i, CellPoints points, uint word, vec2 position, float d,
+              float share, float f) {
   SampleShear sum = SampleShear(vec2(0), vec3(0));
   bool touches = d > 0.0;
-  uint slot = slotOf(height_word);
-  if (!VARIATION) {
+  uint slot = slotOf(word);
+  if (VARIATION) {
+    // The pressure of a cell is divided between its points as it would be at rest.
+    float at_rest = cellPressure(points, 1.0, 0.0), per_rest = at_rest > 0.0 ? 1.0 / at_rest : 0.0;
+    vec2 pressures = vec2(pressureAt(points, 0, 1.0, 0.0), pressureAt(points, 1, 1.0, 0.0)) * per_rest * f * step.friction;
+    vec3 p = vec3(position + points.from_middle[0], -points.depth[0]);
+    addPoint(sum, step, states.x_0, states.y_0, i, touches, slot, p, points.weight[0] * abs(share), pressures.x);
+    p = vec3(position + points.from_middle[1], -points.depth[1]);
+    addPoint(sum, step, states.x_1, states.y_1, i, touches, slot, p, points.weight[1] * abs(share), pressures.y);
+  } else {
     addPoint(sum, step, states.x_0, states.y_0, i, touches, slot, vec3(position, -d), abs(share), f * step.friction);
-    return sum;
   }
-  // The pressure of a cell is divided between its points as it would be at rest.
-  float at_rest = cellPressure(points, 1.0, 0.0), per_rest = at_rest > 0.0 ? 1.0 / at_rest : 0.0;
-  vec2 pressures = vec2(pressureAt(points, 0, 1.0, 0.0), pressureAt(points, 1, 1.0, 0.0)) * per_rest * f * step.friction;
-  vec3 p = vec3(position + points.from_middle[0], -points.depth[0]);
-  addPoint(sum, step, states.x_0, states.y_0, i, touches, slot, p, points.weight[0] * abs(share), pressures.x);
-  p = vec3(position + points.from_middle[1], -points.depth[1]);
-  addPoint(sum, step, states.x_1, states.y_1, i, touches, slot, p, points.weight[1] * abs(share), pressures.y);
-  return sum;
+  sums.shear += sum.traction;
+  sums.shear_moment += sum.moment;
 }
 
-// Sums over the samples of the taxel at `in_tile`; adds it to `cell` and `change` of the tactile Jacobian. Long function: the sums share
-// what a sample loads.
+// Adds the sample in row `a` and column `b` of the taxel, at x (m, in P), sample `i` of `states`, to `sums` and to `row` of the tactile
+// Jacobian.
+void pressSample(Tile tile, TileStep step, Taxel taxel, RowWords rows, uint a, uint b, float x, uint i, inout SampleStates states,
+                 inout CellRow row, inout TaxelSums sums, inout Found found) {
+  uint address = (taxel.base.x + a) * tile.stride + taxel.base.y + b;
+  vec2 position = vec2(x, samplePosition(tile, taxel.first_sample + vec2(0, b)).y);
+  uint word = component(rows.here, b);
+  float height = withoutSlot(word);
+  if (!keepsRows()) height = sampleHeight(tile, step.only, address, position, found, word);
+  float d = clamp(step.load_driven ? step.found.depth - (height - step.found.lowest) : THICKNESS - height, 0.0, THICKNESS);
+  if (AREA) d = depthOfWord(word);
+  float d_rate = HAS_STATE ? depthRate(step, states.depths, i, d) : 0.0;
+  float share = keepsShares() ? uintBitsToFloat(cell_shares[address]) : 1.0;
+  sums.deep += d >= THICKNESS || share < 0.0 ? 1u : 0u;
+  CellPoints points;
+  if (VARIATION) points = cellPoints(tile, d / abs(share), abs(share), cell_variations[address]);
+  bool is_uneven = VARIATION && EXPONENT != 1.0;
+  float f = is_uneven ? cellPressure(points, abs(share), d_rate) : lawPressure(d, d_rate);
+  if (RELAXATION > 0) f = relax(step.skin, states.skin, i, taxel.is_reached, f);
+  sums.force += f;
+  sums.moment += f * position;
+  if (kSumsSlopes && f > 0.0) sums.slope += stiffnessOf(points, d, share, f).slope;
+  sums.depth += d;
+  if (OUTPUT_JACOBIAN) {
+    Stiffness stiffness = AREA ? stiffnessOf(points, d, share, f)
+                               : stiffnessAmong(tile, step.surface, wordsAround(tile, rows, uvec2(a, b), address), height, f);
+    addSample(row, b, taxel.rim, position.y, f, stiffness);
+  }
+  if (FRICTION) addShear(sums, step, states.shear, i, points, word, position, d, share, f);
+}
+
+// Adds row `a` of the taxel to `sums` and to `cell` of the tactile Jacobian. `rows`: words of the row before.
+void pressRow(Tile tile, TileStep step, Taxel taxel, uint a, inout RowWords rows, inout TaxelSums sums, inout Cell cell,
+              inout Found found) {
+  float x = samplePosition(tile, taxel.first_sample + vec2(a, 0)).x;
+  if (!usesTile() && !keepsRows() && kOnlyPolyhedra) startRow(x);
+  rows.before = rows.here;
+  rows.here = rows.after;
+  if (keepsRows()) rows.after = wordsOfRow(tile, step, taxel, a + 1u, found);
+  CellRow row = noCellRow();
+  for (uint first = 0; first < SAMPLES; first += kSamplesAtOnce) {
+    uint states_start = statesOf(tile, step.state, taxel.in_tile, a, first / 4u);
+    SampleStates states = readStates(states_start, taxel.is_touched);
+    for (uint part = 0; part < kSamplesAtOnce; part += kUnrolledSamples) [[unroll]] for (uint k = 0; k < kUnrolledSamples; ++k) {
+        uint i = part + k, b = first + i;
+        if (kUnrollsRows && b >= SAMPLES) break;
+        pressSample(tile, step, taxel, rows, a, b, x, i, states, row, sums, found);
+      }
+    writeStates(states_start, states);
+  }
+  if (OUTPUT_JACOBIAN) addRow(cell, row, a, taxel.rim, x);
+}
+
+// Sums over the samples of the taxel at `in_tile`; adds it to `cell` and `change` of the tactile Jacobian.
 TaxelSums pressTaxel(Tile tile, TileStep step, uvec2 in_tile, inout Found found, inout Cell cell, inout vec3 change[6]) {
-  uvec2 base = in_tile * SAMPLES;
-  uvec2 in_patch = in_tile + tile.first_taxel;
-  float depth_sum = 0.0;
-  float force = 0.0;
-  vec2 moment = vec2(0), shear = vec2(0);
-  vec3 shear_moment = vec3(0);
-  uint deep = 0;
-  float slope = 0.0;
-  bool is_reached = RELAXATION > 0 && isReached(step.skin, in_tile),
-       touched = kStoresTouched && isInside(in_tile, step.touched) && hasStates(tile, step.state, in_tile);
-  bvec4 rim = bvec4(equal(in_patch, uvec2(0)), equal(in_patch + 1u, tile.grid.xy)).xzyw;
-  vec2 first_sample = vec2(base + tile.first_taxel * SAMPLES);
+  Taxel taxel = taxelAt(tile, step, in_tile);
+  TaxelSums sums = TaxelSums(0.0, 0.0, vec2(0), vec2(0), vec3(0), 0u, 0.0);
   RowWords rows = RowWords(uvec4(kEmpty), uvec4(kEmpty), uvec4(kEmpty));
-  if (keepsRows()) rows.after = wordsOfRow(tile, step, base, first_sample, 0, found);
+  if (keepsRows()) rows.after = wordsOfRow(tile, step, taxel, 0, found);
   uint first_row = 0;
   do {
     [[unroll]] for (uint n = 0; n < kUnrolledRows; ++n) {
       uint a = first_row + n;
       if (kUnrolledRows > 1u && a >= SAMPLES) break;
-      float x = samplePosition(tile, first_sample + vec2(a, 0)).x;
-      if (!usesTile() && !keepsRows() && kOnlyPolyhedra) startRow(x);
-      rows.before = rows.here;
-      rows.here = rows.after;
-      if (keepsRows()) rows.after = wordsOfRow(tile, step, base, first_sample, a + 1u, found);
-      CellRow row = noCellRow();
-      for (uint first = 0; first < SAMPLES; first += kSamplesAtOnce) {
-        uint states_at = statesOf(tile, step.state, in_tile, a, first / 4u);
-        SkinStates skin_states;
-        ShearStates shear_states;
-        uvec4 depths;
-        if (RELAXATION > 0) skin_states = readSkin(states_at);
-        if (FRICTION) shear_states = readShears(states_at, touched);
-        if (HAS_STATE) depths = mix(uvec4(0), fourOf(PastState, states_at + kDepthState), bvec4(touched));
-        for (uint part = 0; part < kSamplesAtOnce; part += kUnrolledSamples) [[unroll]] for (uint k = 0; k < kUnrolledSamples; ++k) {
-            uint i = part + k, b = first + i;
-            if (kUnrollsRows && b >= SAMPLES) break;
-            uint address = (base.x + a) * tile.stride + base.y + b;
-            vec2 position = vec2(x, samplePosition(tile, first_sample + vec2(0, b)).y);
-            uint word = component(rows.here, b);
-            float height = withoutSlot(word);
-            if (!keepsRows()) height = sampleHeight(tile, step.only, address, position, found, word);
-            float d = clamp(step.load_driven ? step.found.depth - (height - step.found.lowest) : THICKNESS - height, 0.0, THICKNESS);
-            if (AREA) d = depthOfWord(word);
-            float d_rate = HAS_STATE ? depthRate(step, depths, i, d) : 0.0;
-            float share = keepsShares() ? uintBitsToFloat(cell_shares[address]) : 1.0;
-            deep += d >= THICKNESS || share < 0.0 ? 1u : 0u;
-            CellPoints points;
-            if (VARIATION) points = cellPoints(tile, d / abs(share), abs(share), cell_variations[address]);
-            bool is_uneven = VARIATION && EXPONENT != 1.0;
-            float f = is_uneven ? cellPressure(points, abs(share), d_rate) : lawPressure(d, d_rate);
-            if (RELAXATION > 0) f = relax(step.skin, skin_states, i, is_reached, f);
-            force += f;
-            moment += f * position;
-            if (kSumsSlopes && f > 0.0) slope += stiffnessOf(points, d, share, f).slope;
-            depth_sum += d;
-            if (OUTPUT_JACOBIAN) {
-              Stiffness stiffness = AREA ? stiffnessOf(points, d, share, f)
-                                         : stiffnessAmong(tile, step.surface, wordsAround(tile, rows, uvec2(a, b), address), height, f);
-              addSample(row, b, rim, position.y, f, stiffness);
-            }
-            if (FRICTION) {
-              SampleShear sample_shear = sampleShear(step, shear_states, i, points, word, position, d, share, f);
-              shear += sample_shear.traction;
-              shear_moment += sample_shear.moment;
-            }
-          }
-        if (RELAXATION > 0 && kUpdatesSkin) writeSkin(states_at, skin_states);
-        if (FRICTION) writeShears(states_at, shear_states);
-        if (HAS_STATE) state[states_at + kDepthState] = depths;
-      }
-      if (OUTPUT_JACOBIAN) addRow(cell, row, a, rim, x);
+      pressRow(tile, step, taxel, a, rows, sums, cell, found);
     }
     first_row += kUnrolledRows;
   } while (first_row < SAMPLES);
-  if (OUTPUT_WRENCH_CHANGE) addToChange(tile, change, cell, rim, first_sample);
-  return TaxelSums(depth_sum, force, moment, shear, shear_moment, deep, slope);
+  if (OUTPUT_WRENCH_CHANGE) addToChange(tile, change, cell, taxel.rim, taxel.first_sample);
+  return sums;
 }
 
 // Computes all active taxels, each by one of LANES lanes, which leave partial sums of the wrench.
