@@ -99,16 +99,7 @@ void computePart(uint instance, uint which, bool is_valid, uint num_instances) {
     moments.second = vec3(core.s[kAfterWindow + 3], core.s[kAfterWindow + 4], core.s[kAfterWindow + 5]);
     if (moments.force > 0.0) second = centralMoments(moments.force, moments.first.xy, moments.second);
     Ridge ridge = ridgeOf(part, second, center, moments.peak, noise);
-    uint n = 0;
-    do {
-      sums = sumPart(kSumsWindow | kSumsRidge, part, window.middle, 0.0, ridge);
-      moveWindow(sums, moments.force, window);
-      solveRidge(sums, ridge);
-    } while (++n < kRidgeIterations);
-    n += 1;  // the window has moved once before
-    do {
-      moveWindow(sumPart(kSumsWindow, part, window.middle, 0.0), moments.force, window);
-    } while (++n < kWindowIterations);
+    fitRidge(part, moments.force, window, ridge);
     windowed = axesOf(window);
     ridge_axes = axesOf(ridge, moments.peak);
   }

@@ -56,6 +56,34 @@ shared uint num_deep;  // nodes of taxels at full depth
 #include "elastic_layer/cell_rates.glsl"
 #include "elastic_layer/jacobian.glsl"
 
+// Sets the targets of the window, with those of dents, and shrinks it. `lowest`: height, m. Returns the largest target, or for a skin
+// without relaxation that is driven by load 0.
+float setAllTargets(Surface surface, SkinStep skin, float lowest, bool by_load, inout Window window) {
+  float deepest = by_load ? 0.0 : min(-lowest / THICKNESS, 1.0);
+  // Next to a dent the skin may bulge and touch anywhere within its reach.
+  float limit = by_load ? -(1.0 + REACH) : RELAXATION > 0 ? -REACH : -REACH * max(deepest, 0.0);
+  setTargets(surface, lowest >= kNoHeight ? kNoHeight : limit, window);
+  if (RELAXATION == 0) return deepest;
+  setCompliances(surface, window);
+  float lowered = lowerTargetsByDents(skin, window);
+  if (!by_load) limitTargets(surface, -REACH * max(max(lowered, deepest), 0.0), window);
+  return lowered;
+}
+
+// `offset`: by which a load search has moved the objects along z of S, m. `node_force`: of a node under the pressure 1, N.
+void writeOutputs(uint instance, uint num_instances, uint num_slots, Surface surface, Window window, Solution found, uint iterations,
+                  float offset, float node_force) {
+  uvec4 pressed = uvec4(0);
+  Shear shear = Shear(vec2(0), vec3(0));
+  if (FRICTION) {
+    pressed = pressedNodes(window);
+    shear = shearNodes(instance, num_slots, surface, window.layer_start, pressed, found.shift, offset, node_force);
+  }
+  uvec4 taxels = writeTaxels(instance, surface, window, pressed, found.shift, node_force);
+  writeResults(instance, num_instances, surface, window, found, iterations, taxels, shear, node_force);
+  if (OUTPUT_JACOBIAN) writeJacobian(instance, surface, window, found.shift, node_force);
+}
+
 void solveInstance(uint instance, uint num_instances, uint num_slots) {
   if (isHeld(instance)) return;
   uint flags = instanceRecord(instance).keys.w;
@@ -75,16 +103,7 @@ void solveInstance(uint instance, uint num_instances, uint num_slots) {
   float lowest = lowestHeight(surface, window);
   bool no_surface = lowest >= kNoHeight;
   if (by_load) surface.origin = lowest;
-  float deepest = by_load ? 0.0 : min(-lowest / THICKNESS, 1.0);
-  // Next to a dent the skin may bulge and touch anywhere within its reach.
-  float limit = by_load ? -(1.0 + REACH) : RELAXATION > 0 ? -REACH : -REACH * max(deepest, 0.0);
-  setTargets(surface, no_surface ? kNoHeight : limit, window);
-  if (RELAXATION > 0) {
-    setCompliances(surface, window);
-    float lowered = lowerTargetsByDents(skin, window);
-    if (!by_load) limitTargets(surface, -REACH * max(max(lowered, deepest), 0.0), window);
-    deepest = lowered;
-  }
+  float deepest = setAllTargets(surface, skin, lowest, by_load, window);
   float load = by_load ? instanceRecord(instance).drive.x : 0.0;
   bool too_deep = kLeastShift - deepest > 1.0;  // full depth would not press on the bottom of a dent
   bool idle = no_surface || (by_load ? load <= 0.0 || too_deep : deepest <= 0.0);
@@ -109,15 +128,7 @@ void solveInstance(uint instance, uint num_instances, uint num_slots) {
   workgroupBarrierWithBuffers();
   if (RELAXATION > 0) updateSkin(skin, window.layer_start);
 
-  uvec4 pressed = uvec4(0);
-  Shear shear = Shear(vec2(0), vec3(0));
-  if (FRICTION) {
-    pressed = pressedNodes(window);
-    shear = shearNodes(instance, num_slots, surface, window.layer_start, pressed, found.shift, offset, node_force);
-  }
-  uvec4 taxels = writeTaxels(instance, surface, window, pressed, found.shift, node_force);
-  writeResults(instance, num_instances, surface, window, found, iterations, taxels, shear, node_force);
-  if (OUTPUT_JACOBIAN) writeJacobian(instance, surface, window, found.shift, node_force);
+  writeOutputs(instance, num_instances, num_slots, surface, window, found, iterations, offset, node_force);
 }
 
 void main() {

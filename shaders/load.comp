@@ -56,6 +56,17 @@ Tried sumOfTiles(uint instance) {
   return tried;
 }
 
+// Moves one end of the bracket to `at`, the offset or the rest that was tried.
+void narrow(inout LoadRecord record, Tried tried, float at, float load) {
+  if (tried.too_deep || tried.force > load) {
+    record.bracket.y = at;
+    record.forces.x = tried.too_deep ? kDeeper : tried.force;
+  } else {
+    record.bracket.z = at;
+    record.forces.y = tried.force;
+  }
+}
+
 // The next offset, or the next rest, inside of the bracket. `at`: the one that was tried; `newton`: the step of Newton's method.
 float nextAfter(LoadRecord record, Tried tried, float at, float newton, float load) {
   float low = record.bracket.y, high = record.bracket.z, f_low = record.forces.x, f_high = record.forces.y, evaluations = record.forces.w;
@@ -93,13 +104,7 @@ void main() {
     loads[instance].bracket.w = kLoadCarried;
     return;
   }
-  if (tried.too_deep || tried.force > load) {
-    record.bracket.y = at;
-    record.forces.x = tried.too_deep ? kDeeper : tried.force;
-  } else {
-    record.bracket.z = at;
-    record.forces.y = tried.force;
-  }
+  narrow(record, tried, at, load);
   float newton = tried.slope > 0.0 && !tried.too_deep ? (tried.force - load) / tried.slope : kNoStep;
   if (NEWTON && !refining && load > 0.0 && abs(newton) < kCoarse) {
     // The rest counts from the offset that was tried, in a bracket that allows for a slope that is wrong by half an order of magnitude.

@@ -36,10 +36,7 @@ void rasterBySamples(Tile tile, MeshView view, Vertex p, Vertex q, Vertex r, Ver
 
   // Edge functions at the first sample.
   ivec2 origin = first << view.subpixel_bits;
-  p.at -= origin;
-  q.at -= origin;
-  r.at -= origin;
-  s.at -= origin;
+  p.at -= origin, q.at -= origin, r.at -= origin, s.at -= origin;
   int qr = edge(q.at, r.at), rp = edge(r.at, p.at), qs = edge(q.at, s.at);
   int area_p = qr + rp + edge(p.at, q.at), area_s = qs + edge(s.at, r.at) - qr;
   int mask_p = area_p >> 31, mask_s = area_s >> 31;
@@ -54,10 +51,8 @@ void rasterBySamples(Tile tile, MeshView view, Vertex p, Vertex q, Vertex r, Ver
         along_qs = (s.at - q.at) << view.subpixel_bits;
   int wrap_qr = -along_qr.y - steps.y * along_qr.x, wrap_rp = -along_rp.y - steps.y * along_rp.x,
       wrap_qs = -along_qs.y - steps.y * along_qs.x;
-
-  int stride = int(tile.stride);
+  int stride = int(tile.stride), wrap_address = stride - steps.y;
   int address = first.x * stride + first.y, row_end = address + steps.y, last_address = last.x * stride + last.y;
-  int wrap_address = stride - steps.y;
   bool any_visible = false;
   do {
     int pq = area_p - qr - rp, sr = area_s - qs + qr;
@@ -112,28 +107,30 @@ int crossing(MeshView view, ivec2 upper, ivec2 lower, int row) {
   return b;
 }
 
+// First and end sample of the row at `row` (in units) between the edges.
+ivec2 spanOf(MeshView view, ivec2 top, ivec2 middle, ivec2 bottom, int row) {
+  int b_long = crossing(view, top, bottom, row);
+  bool upper = row < middle.x;
+  int b_short = crossing(view, upper ? top : middle, upper ? middle : bottom, row);
+  return ivec2(min(b_long, b_short), max(b_long, b_short));
+}
+
+void orderByU(inout Vertex first, inout Vertex second) {
+  if (first.at.x <= second.at.x) return;
+  Vertex swap = first;
+  first = second;
+  second = swap;
+}
+
 void rasterBySpans(Tile tile, MeshView view, Vertex p, Vertex q, Vertex r, inout Found found) {
   float z_low = min(p.z, min(q.z, r.z));
   if (z_low >= tile.z_limit) return;
   float z_high = max(p.z, max(q.z, r.z));
 
-  // Sort by u.
   Vertex top = p, middle = q, bottom = r;
-  if (top.at.x > middle.at.x) {
-    Vertex swap = top;
-    top = middle;
-    middle = swap;
-  }
-  if (middle.at.x > bottom.at.x) {
-    Vertex swap = middle;
-    middle = bottom;
-    bottom = swap;
-  }
-  if (top.at.x > middle.at.x) {
-    Vertex swap = top;
-    top = middle;
-    middle = swap;
-  }
+  orderByU(top, middle);
+  orderByU(middle, bottom);
+  orderByU(top, middle);
 
   ivec2 first = firstSample(view, ivec2(top.at.x, min(top.at.y, min(middle.at.y, bottom.at.y))));
   ivec2 last = lastSample(tile, view, ivec2(bottom.at.x, max(top.at.y, max(middle.at.y, bottom.at.y))));
@@ -154,10 +151,8 @@ void rasterBySpans(Tile tile, MeshView view, Vertex p, Vertex q, Vertex r, inout
   int a = first.x;
   for (; a <= last.x; ++a) {
     int row = a << view.subpixel_bits;
-    int b_long = crossing(view, top.at, bottom.at, row);
-    bool upper = row < middle.at.x;
-    int b_short = crossing(view, upper ? top.at : middle.at, upper ? middle.at : bottom.at, row);
-    int b_first = max(min(b_long, b_short), first.y), b_end = min(max(b_long, b_short), last.y + 1);
+    ivec2 span = spanOf(view, top.at, middle.at, bottom.at, row);
+    int b_first = max(span.x, first.y), b_end = min(span.y, last.y + 1);
     // Skips the part of the row that is too high to touch, but for one sample on the open side, which is tested below.
     float z_row = top.z + gradient.x * (float(a) - top_sample.x);
     float b_limit = clamp(top_sample.y + (tile.z_limit - z_row) / gradient.y, float(b_first) - 2.0, float(b_end) + 2.0);

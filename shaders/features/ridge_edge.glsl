@@ -55,3 +55,17 @@ Axes axesOf(Ridge ridge, float peak) {
   axes.angle = 0.5 * angleOf(difference.x * doubled.y + difference.y * doubled.x, difference.x * doubled.x - difference.y * doubled.y);
   return axes;
 }
+
+// Fits the ridge and moves the window of a part, which has moved once before. All invocations of a team call it.
+void fitRidge(Part part, float force, inout ForceWindow window, inout Ridge ridge) {
+  uint n = 0;
+  do {
+    PartSums sums = sumPart(kSumsWindow | kSumsRidge, part, window.middle, 0.0, ridge);
+    moveWindow(sums, force, window);
+    solveRidge(sums, ridge);
+  } while (++n < kRidgeIterations);
+  n += 1;
+  do {
+    moveWindow(sumPart(kSumsWindow, part, window.middle, 0.0), force, window);
+  } while (++n < kWindowIterations);
+}
