@@ -7,7 +7,7 @@
 // then taxels.
 // In:  poses (num_instances x those of the step), objects, groups, clusters, quads of triangles, faces, the sensor's patches and tiles.
 // Out: contact_normal (num_instances x num_taxels), N, divided by the part of the spread's kernel that stays on the sensor; contact_shear
-//      (num_instances x num_taxels x 2), N, likewise; contact_depth (num_instances x num_taxels), m; tile_results (num_instances x
+//      (num_instances x num_taxels x 2), N, divided as well; contact_depth (num_instances x num_taxels), m; tile_results (num_instances x
 //      num_tiles); loads (num_instances); contact_cells (num_instances x num_taxels), tile_changes (num_instances x num_tiles x LANES),
 //      skin/cell_fluxes.glsl. A sensor of one tile writes taxels only inside the window of its result.
 // State per sample, between steps: skin/sample_states.glsl.
@@ -18,7 +18,7 @@
 // the workgroup.
 // Mutable globals: own_partial (driver/workgroup.glsl), own_shear (skin/friction.glsl); any_unfinished_loop, num_iterations
 // (driver/loops.glsl); the planes of a polyhedron (depth/solids.glsl).
-// Twins: src/reference/depth.cpp, contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp, load.cpp.
+// References: src/reference/depth.cpp, contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp, load.cpp.
 
 #include "passes/declare.glsl"
 #include "passes/depth.h"
@@ -63,23 +63,23 @@ void computeTile(uint instance, uint tile_number, uint num_slots) {
 }
 
 void main() {
-  uvec2 places = placesOfTiles();
-  uint count = places.y - places.x;
-  if (listsTiles()) count = listTiles(places.x, places.y);
+  uvec2 range = tileRange();
+  uint count = range.y - range.x;
+  if (listsTiles()) count = listTiles(range.x, range.y);
   if (usesTile() && count > 0) {
     clearHeights();
     workgroupBarrier();
   }
   uint k = 0;
   if (count > 0) do {
-      uint number = listsTiles() ? tile_list[k] : tileNumbered(places.x + k);
+      uint number = listsTiles() ? tile_list[k] : tileNumbered(range.x + k);
       uint instance = number / NUM_TILES;
       computeTile(instance, number - instance * NUM_TILES, step_record.batch.y);
       workgroupBarrier();
-    } while (++k < count && !leavesNextTile());
-  checkLoop(k < count && !leavesNextTile());
+    } while (++k < count && !exceedsBudget());
+  checkLoop(k < count && !exceedsBudget());
   if (kLeavesTiles && gl_LocalInvocationIndex == 0) {
-    for (; k < count; ++k) leaveTile(listsTiles() ? tile_list[k] : tileNumbered(places.x + k));
+    for (; k < count; ++k) leaveTile(listsTiles() ? tile_list[k] : tileNumbered(range.x + k));
     checkLoop(k < count);
   }
   reportUnfinishedLoops();

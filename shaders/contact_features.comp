@@ -14,7 +14,7 @@
 // Shared memory: 4 PARTIALS + 4 bytes.
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of team and workgroup.
 // Mutable globals: is_clean; any_unfinished_loop (driver/loops.glsl).
-// Twin: src/reference/contact_features.cpp.
+// Reference: src/reference/contact_features.cpp.
 
 #include "shared/features.h"
 #include "passes/declare.glsl"
@@ -58,7 +58,7 @@ void choosePlane(inout Part part, inout PartSums sums) {
   sums = sumPart(kSumsForce, part, vec3(0), 0.0);
 }
 
-shared uint any_team;  // of isTrueForAnyTeam(); a scan's barriers lie between its last read and the next write
+shared uint any_team;  // for isTrueForAnyTeam(); a scan's barriers lie between its last read and the next write
 
 // Standard deviation of a taxel's force from noise, N.
 float forceNoise(uint instance) {

@@ -5,13 +5,14 @@
 //
 // A workgroup has WORKGROUP / TEAM teams; each team processes REPEAT instances in sequence. An invocation owns every TEAM-th taxel of an
 // instance.
-// In:  image (num_instances x num_taxels), counts, or in its place spread_normal, N, as feature_source says.
+// In:  image (num_instances x num_taxels), counts, or spread_normal, N, as feature_source says.
 // Out: forces, N, and taxel_regions, shared/features.h (num_instances x num_taxels, features/taxel_words.glsl); regions (num_instances x
-//      REGIONS), largest first, with kOnlyRegion; features: the number of all regions (num_instances). region_sums, likewise, is scratch.
+//      REGIONS), largest first, with kOnlyRegion; features: the number of all regions (num_instances). region_sums (as taxel_regions) is
+//      scratch.
 // Shared memory: 16 WORKGROUP / TEAM bytes.
 // Deterministic: a region is named by its lowest taxel, whatever order taxels are united in; forces are summed as integers.
 // Mutable globals: is_clean; any_unfinished_loop (driver/loops.glsl); the words of the rows (features/region_bits.glsl).
-// Twin: src/reference/contact_features.cpp.
+// Reference: src/reference/contact_features.cpp.
 
 #include "shared/features.h"
 #include "passes/declare.glsl"
@@ -27,7 +28,7 @@ struct Instance {
   uint number;
   uint first_taxel;  // in image and spread_normal
   uint first_word;   // in forces, taxel_regions and region_sums
-  uint end;          // of its taxels; 0 where there is nothing to do
+  uint end;          // taxels of the instance; 0 where there is nothing to do
 };
 
 #include "common/instances.glsl"

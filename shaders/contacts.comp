@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Contacts pass: replaces stages 1 and 2 of one frame where another engine has found contacts and their forces; paper eq. (2), by the rule
-// of include/taxelsim/contact_point.h.
+// Contacts pass: replaces stages 1 and 2 of one frame where another engine has found contacts and their forces; paper eq. (2). The rule is
+// in include/taxelsim/contact_point.h.
 //
 // A workgroup has WORKGROUP / TEAM teams; each team processes REPEAT instances in sequence. Every invocation reads all contacts of its
 // instance and adds up those of its own taxels, lane, lane + TEAM, ...: no sum crosses invocations.
@@ -11,7 +11,7 @@
 // Shared memory: none.
 // Deterministic: forces are added in the order in which the contacts were given.
 // Mutable globals: any_unfinished_loop (driver/loops.glsl).
-// Twin: src/reference/contact_points.cpp.
+// Reference: src/reference/contact_points.cpp.
 
 #include "shared/features.h"
 #include "passes/declare.glsl"
@@ -20,7 +20,7 @@
 #include "common/instances.glsl"
 #include "common/transform.glsl"
 #include "driver/loops.glsl"
-#include "depth/contact_places.glsl"
+#include "depth/contact_taxels.glsl"
 
 // Sums over the contacts of an instance.
 struct Sums {
@@ -56,11 +56,11 @@ void sumContacts(uint instance, uint num_instances, uint room, float band, Patch
   uint k = 0;
   for (; k < count; ++k) {
     vec4 point = contacts[instance * room + k].point;
-    Place at;
+    ContactTaxel at;
     if (kTaxelList) {
-      at = placeInList(point.xyz, band);
+      at = taxelInList(point.xyz, band);
     } else {
-      at = placeOnPatches(first_patch, point.xyz, band);
+      at = taxelOnPatches(first_patch, point.xyz, band);
     }
     if (at.taxel == kNoCell) {
       sums.off_array_load += point.w;

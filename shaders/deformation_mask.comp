@@ -12,7 +12,7 @@
 // Shared memory: 8 PARTIALS bytes.
 // Deterministic: sums run over at most LANES partial sums in a fixed order, whatever the size of team and workgroup.
 // Mutable globals: any_unfinished_loop (driver/loops.glsl).
-// Twin: src/reference/taxel_laws.cpp.
+// Reference: src/reference/taxel_laws.cpp.
 
 #include "passes/declare.glsl"
 #include "passes/deformation_mask.h"

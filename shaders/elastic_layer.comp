@@ -22,7 +22,7 @@
 // Shared memory: 16 LANES + 8 NODE_ROWS + 12 bytes; with friction 8 LANES + 512 bytes more.
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of the workgroup.
 // Mutable globals: any_unfinished_loop (driver/loops.glsl); own_partial (driver/workgroup.glsl), own_shear (skin/friction.glsl).
-// Twins: src/reference/elastic_layer.cpp, relaxation.cpp, friction.cpp.
+// References: src/reference/elastic_layer.cpp, relaxation.cpp, friction.cpp.
 
 #include "passes/declare.glsl"
 #include "shared/elastic_layer.h"
@@ -89,7 +89,7 @@ void solveInstance(uint instance, uint num_instances, uint num_slots) {
   uint flags = instanceRecord(instance).keys.w;
   bool is_first = (flags & kFlagFirstStep) != 0;
   bool by_load = LOADS && (flags & kFlagLoadDriven) != 0;
-  float node_force = NODE_FORCE;  // of a node under the pressure 1 of the solution, N
+  float node_force = NODE_FORCE;  // force of a node under the pressure 1 of the solution, N
   SkinStep skin = noSkinStep();
   if (RELAXATION > 0) {
     skin = skinStep(is_first);

@@ -13,7 +13,7 @@
 #include "passes/declare.glsl"
 #include "passes/find_candidates.h"
 
-const float kMinShare = 0.25;      // of the planned steps; with a smaller share the instance gives up
+const float kMinShare = 0.25;      // share of the planned steps; with a smaller one the instance gives up
 const float kStepsWithout = 32.0;  // steps until an instance that has given up tries again
 
 shared uint num_found;
@@ -26,7 +26,7 @@ shared uint num_found;
 void visitQuad(Tile tile, MeshView view, uint quad, uint first_candidate) {
   Vertex p, q, r, s;
   fetchQuad(view, quad, p, q, r, s);
-  const ivec2 kRounding = ivec2(2);  // of vertices to units, with a margin
+  const ivec2 kRounding = ivec2(2);  // rounding of vertices to units, with a margin
   Box reached = Box(firstReaching(view, min(min(p.at, q.at), min(r.at, s.at)) + view.motion_low - kRounding),
                     lastReaching(tile, view, max(max(p.at, q.at), max(r.at, s.at)) + view.motion_high + kRounding));
   if (min(min(p.z, q.z), min(r.z, s.z)) >= tile.z_limit || !isAny(reached)) return;
@@ -80,7 +80,7 @@ void main() {
   uint first = workgroupNumber() * REPEAT;
   uint end = min(first + REPEAT, work[kListFindCandidates].w);
   uint k = first;
-  for (; k < end; ++k) findCandidates(tile, work_instances[placeInList(kListFindCandidates, k)]);
+  for (; k < end; ++k) findCandidates(tile, work_instances[listIndex(kListFindCandidates, k)]);
   checkLoop(k < end);
   reportUnfinishedLoops();
 }

@@ -11,7 +11,7 @@
 // Shared memory: 4 PARTIALS bytes.
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of team, workgroup and batch.
 // Mutable globals: any_unfinished_loop (driver/loops.glsl), small_kernel (features/spread_change.glsl).
-// Twin: taxelsim.vjp() (python/taxelsim/gradients.py) contracts the spread forces' derivatives in double precision.
+// Reference: taxelsim.vjp() (python/taxelsim/gradients.py) contracts the spread forces' derivatives in double precision.
 
 #include "passes/declare.glsl"
 #include "passes/force_gradient.h"

@@ -16,7 +16,7 @@
 //      + 4 REPEAT + 56 bytes; ONE_VECTOR 16 NUM_FACES, AREA with meshes 4 kMostFacets.
 // Deterministic: the tile is a minimum of integers, which sum cells.
 // Mutable globals: any_unfinished_loop, num_iterations (driver/loops.glsl); the planes of a polyhedron (depth/solids.glsl).
-// Reference: src/reference/depth.cpp, layer_cells.cpp.
+// References: src/reference/depth.cpp, layer_cells.cpp.
 
 #include "passes/declare.glsl"
 #include "passes/depth.h"
@@ -113,16 +113,16 @@ void computeTile(uint number, uint num_slots) {
 }
 
 void main() {
-  uvec2 places = placesOfTiles();
-  if (usesTile() && places.x < places.y) {
+  uvec2 range = tileRange();
+  if (usesTile() && range.x < range.y) {
     clearHeights();
     workgroupBarrier();
   }
-  uint k = places.x;
-  if (k < places.y) do {
+  uint k = range.x;
+  if (k < range.y) do {
       computeTile(tileNumbered(k), step_record.batch.y);
       workgroupBarrier();
-    } while (++k < places.y);
-  checkLoop(k < places.y);
+    } while (++k < range.y);
+  checkLoop(k < range.y);
   reportUnfinishedLoops();
 }

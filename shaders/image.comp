@@ -13,7 +13,7 @@
 // Shared memory: 4 PARTIALS bytes.
 // Deterministic: sums run over at most LANES partial sums in a fixed order, whatever the size of team and workgroup.
 // Mutable globals: any_unfinished_loop (driver/loops.glsl).
-// Twins: src/reference/psf.cpp, lag.cpp, imperfections.cpp, readout.cpp, features.cpp.
+// References: src/reference/psf.cpp, lag.cpp, imperfections.cpp, readout.cpp, features.cpp.
 
 #include "shared/features.h"
 #include "shared/random.h"

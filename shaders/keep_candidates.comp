@@ -17,12 +17,12 @@
 #include "passes/declare.glsl"
 #include "passes/keep_candidates.h"
 
-// Measured with the path `candidates` (docs/performance.md). Finding costs once per so many steps, larger bounds cost in each of them; the
-// total is least when the number of steps is inversely proportional to the square root of the speed.
+// Measured with the path `candidates` (docs/performance.md). Finding costs once per kStepsAhead steps, larger bounds cost in each of them;
+// the total is least when the number of steps is inversely proportional to the square root of the speed.
 const float kStepsAhead = 2.0;  // at a speed of one sample spacing per step
 const float kMaxStepsAhead = 32.0;
-const float kMaxMotion = 0.4;       // of the sample spacing, over all these steps
-const float kMinMotion = 1.0 / 64;  // of the sample spacing; bounds of an object at rest
+const float kMaxMotion = 0.4;       // sample spacings, over all these steps
+const float kMinMotion = 1.0 / 64;  // sample spacings; bounds of an object at rest
 const float kMinStepsAhead = 3.0;   // fewer do not pay
 
 #include "depth/tile.glsl"

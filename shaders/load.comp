@@ -12,13 +12,13 @@
 // Out: loads (num_instances): the next offset, or that the search has ended.
 // Shared memory: none.
 // Deterministic: tiles are summed in order.
-// Twin: src/reference/load.cpp.
+// Reference: src/reference/load.cpp.
 
 #include "passes/declare.glsl"
 #include "passes/load.h"
 
-const float kTolerance = 1e-6;      // of the load; some ten roundings of a float
-const float kAccepted = 1e-3;       // of the load, when the bracket is as narrow as floats allow
+const float kTolerance = 1e-6;      // share of the load; some ten roundings of a float
+const float kAccepted = 1e-3;       // share of the load, when the bracket is as narrow as floats allow
 const float kDeeper = 1e30;         // stands for the force at an offset at which a sample is deeper than the skin
 const float kCoarse = 3e-8;         // m: width of the bracket where the search of the rest begins
 const float kFine = 1e-12;          // m: width of the bracket where it ends
@@ -34,7 +34,7 @@ bool isNarrow(vec4 bracket, float width) {
   return high - low <= width || middle == low || middle == high;
 }
 
-// What the tiles of an instance carry at the offset that was tried.
+// Sums over the tiles of an instance at the offset that was tried.
 struct Tried {
   float force, slope;  // along -z of S, N, and by the depth, N/m
   bool too_deep;

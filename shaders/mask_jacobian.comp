@@ -7,7 +7,7 @@
 //      (num_instances x num_taxels): forces after the mask, N. LAW_0: saturation pressure, Pa.
 // Out: masked_jacobian (num_instances x 6 x num_taxels).
 // Shared memory: none.
-// Twin: src/reference/tactile_jacobian.cpp.
+// Reference: src/reference/tactile_jacobian.cpp.
 
 #include "passes/declare.glsl"
 #include "passes/mask_jacobian.h"

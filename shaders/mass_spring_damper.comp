@@ -9,7 +9,7 @@
 // Out: contact_normal, contact_shear, for the spread; law_state (num_instances x num_taxels): force in the spring (N) and its rate (N/s),
 //      kept between steps.
 // Shared memory: none.
-// Twin: src/reference/taxel_laws.cpp.
+// Reference: src/reference/taxel_laws.cpp.
 
 #include "common/taxel_pass.glsl"
 #include "common/transform.glsl"

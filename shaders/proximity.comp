@@ -5,7 +5,7 @@
 // An invocation owns one tile of one instance.
 // In, out: tile_results (num_instances x num_tiles): clears force and torque.
 // Shared memory: none.
-// Twin: src/reference/taxel_laws.cpp.
+// Reference: src/reference/taxel_laws.cpp.
 
 #include "common/taxel_pass.glsl"
 

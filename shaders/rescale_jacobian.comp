@@ -8,7 +8,7 @@
 //      num_tiles): pressed, N.
 // In, out: taxel_jacobian (num_instances x 6 x num_taxels), for the spread.
 // Shared memory: none. Deterministic: taxels are summed in order.
-// Twin: src/reference/tactile_jacobian.cpp.
+// Reference: src/reference/tactile_jacobian.cpp.
 
 #include "passes/declare.glsl"
 #include "passes/rescale_jacobian.h"

@@ -7,7 +7,7 @@
 // Out: spread_jacobian (num_instances x 6 x num_taxels), N/m and N/rad.
 // Shared memory: none.
 // Mutable global: small_kernel (features/spread_change.glsl).
-// Twin: src/reference/tactile_jacobian.cpp.
+// Reference: src/reference/tactile_jacobian.cpp.
 
 #include "passes/declare.glsl"
 #include "passes/spread_jacobian.h"

@@ -12,7 +12,7 @@
 // Shared memory: 4 PARTIALS bytes.
 // Deterministic: sums run over LANES partial sums in a fixed order, whatever the size of team and workgroup.
 // Mutable globals: any_unfinished_loop (driver/loops.glsl), small_kernel (features/spread_change.glsl).
-// Twin: src/reference/feature_jacobian.cpp.
+// Reference: src/reference/feature_jacobian.cpp.
 
 #include "shared/features.h"
 #include "shared/random.h"

@@ -8,7 +8,7 @@
 // Out: taxel_jacobian (num_instances x 6 x num_taxels), N/m and N/rad, over the part of the spread's kernel that stays on the sensor where
 //      SCALED.
 // Shared memory: none.
-// Twin: src/reference/tactile_jacobian.cpp.
+// Reference: src/reference/tactile_jacobian.cpp.
 
 #include "shared/features.h"
 #include "passes/declare.glsl"

@@ -8,7 +8,7 @@
 // Out: taxel_counts (num_instances x num_taxels x 3), counts.
 // State: axis_plays (num_instances x 3 x num_taxels), N: the play operators of the hysteresis.
 // Shared memory: none.
-// Twin: src/reference/three_axis.cpp.
+// Reference: src/reference/three_axis.cpp.
 
 #include "shared/random.h"
 #include "passes/declare.glsl"

@@ -8,7 +8,7 @@
 // Out: wrench_jacobian (num_instances x num_tiles x 6 x 6), by force and torque, then by twist: N/m, N/rad, N m/m, N m/rad.
 // Shared memory: none.
 // Deterministic: LANES partial sums are added in their order.
-// Twin: src/reference/tactile_jacobian.cpp.
+// Reference: src/reference/tactile_jacobian.cpp.
 
 #include "shared/features.h"
 #include "passes/declare.glsl"

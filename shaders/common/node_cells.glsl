@@ -1,10 +1,10 @@
-// What an object covers of the cell of a node, with area sampling: the words of node_cells[], shared/elastic_layer.h.
+// The part of a node's cell that an object covers, with area sampling: the words of node_cells[], shared/elastic_layer.h.
 
 struct CellPart {
   uint height;    // mean over what is covered, m, as bits, with the slot in the lowest ones
   float covered;  // share that is covered; 0: nothing touches, and the rest is undefined
   vec2 center;    // centroid, from the middle of the cell, in its widths
-  float edge;     // how far an edge bounds what is covered, 0 to 1
+  float edge;     // how far an edge bounds the covered part, 0 to 1
 };
 
 CellPart cellPart(uint node) {

@@ -1,5 +1,5 @@
-// Shared by the passes that some laws run over the taxels between the contact and the image pass: the forces that contact has left (N), and
-// those that the spread takes (N).
+// Shared by the passes that some laws run over the taxels between the contact and the image pass: the forces that the contact pass has left
+// (N), and the forces that the spread takes (N).
 
 #include "passes/declare.glsl"
 #include "passes/taxel_law.h"

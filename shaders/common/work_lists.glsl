@@ -3,10 +3,11 @@
 #ifndef COMMON_WORK_LISTS_GLSL
 #define COMMON_WORK_LISTS_GLSL
 
-uint placeInList(uint list, uint instance) { return list * step_record.batch.x + instance; }
+// Index in work_instances[] of the entry `at` of a list.
+uint listIndex(uint list, uint at) { return list * step_record.batch.x + at; }
 
-// Counts a workgroup for every `per_workgroup` entries of the list of a row. Returns the place of a new entry.
-uint newEntry(uint row, uint per_workgroup) {
+// Appends an entry to the list of a row of `work`, and a workgroup for every `per_workgroup` entries. Returns the index of the entry.
+uint appendEntry(uint row, uint per_workgroup) {
   uint at = atomicAdd(work[row].w, 1u);
   if (at % per_workgroup != 0) return at;
   uint workgroup = at / per_workgroup;
@@ -19,7 +20,7 @@ uint newEntry(uint row, uint per_workgroup) {
 }
 
 void appendToList(uint list, uint instance, uint per_workgroup) {
-  work_instances[placeInList(list, newEntry(list, per_workgroup))] = instance;
+  work_instances[listIndex(list, appendEntry(list, per_workgroup))] = instance;
 }
 
 #endif

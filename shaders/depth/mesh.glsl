@@ -31,7 +31,7 @@ struct MeshView {
 ivec2 firstSample(MeshView view, ivec2 low) { return max((low + ((1 << view.subpixel_bits) - 1)) >> view.subpixel_bits, 0); }
 ivec2 lastSample(Tile tile, MeshView view, ivec2 high) { return min(high >> view.subpixel_bits, ivec2(tile.size * SAMPLES) - 1); }
 
-// The same for the samples that reach between them, depth/tile.glsl.
+// First and last sample whose reach (kSampleReach, depth/tile.glsl) is between `low` and `high`.
 int reachOf(MeshView view) { return AREA ? 1 << view.subpixel_bits >> 1 : 0; }
 ivec2 firstReaching(MeshView view, ivec2 low) { return firstSample(view, low - reachOf(view)); }
 ivec2 lastReaching(Tile tile, MeshView view, ivec2 high) { return lastSample(tile, view, high + reachOf(view)); }
@@ -102,9 +102,9 @@ bool groupReaches(Tile tile, MeshView view, uint group, out uint items) {
   return boxReaches(tile, view, words.xyz);
 }
 
-// Number of the cluster at a place of the listed groups, of which each has kClustersPerGroup; false where the group has fewer clusters.
-bool clusterAt(uint place, out uint cluster) {
-  uint group = group_list[place / kClustersPerGroup], at = place % kClustersPerGroup;
+// Number of the cluster at an index of the listed groups, which have kClustersPerGroup each; false where the group has fewer clusters.
+bool clusterAt(uint index, out uint cluster) {
+  uint group = group_list[index / kClustersPerGroup], at = index % kClustersPerGroup;
   cluster = (group & kFirstMask) + at;
   return at <= group >> kFirstBits;
 }
@@ -112,10 +112,10 @@ bool clusterAt(uint place, out uint cluster) {
 // Lists all clusters of the listed groups that reach into the tile. All invocations call it after a barrier; it ends with one.
 void listClusters(Tile tile, MeshView view) {
   const uint kRounds = 32;  // whose clusters are collected as bits, so that one atomicAdd makes room for all that an invocation finds
-  uint lane = gl_LocalInvocationIndex, num_places = num_listed_groups * kClustersPerGroup;
+  uint lane = gl_LocalInvocationIndex, num_clusters = num_listed_groups * kClustersPerGroup;
   uint start = 0, cluster;
-  if (num_places > 0) do {
-      uint i = start, end = min(start + kRounds * WORKGROUP, num_places), reaching = 0, bit = 1;
+  if (num_clusters > 0) do {
+      uint i = start, end = min(start + kRounds * WORKGROUP, num_clusters), reaching = 0, bit = 1;
       do {
         if (i + lane < end && clusterAt(i + lane, cluster) && boxReaches(tile, view, fourOf(Clusters, cluster).xyz)) reaching |= bit;
         bit <<= 1;
@@ -127,8 +127,8 @@ void listClusters(Tile tile, MeshView view) {
         cluster_list[at++] = cluster;
       }
       start += kRounds * WORKGROUP;
-    } while (start < num_places);
-  checkLoop(start < num_places);
+    } while (start < num_clusters);
+  checkLoop(start < num_clusters);
   workgroupBarrier();
   countIterations(num_listed_groups * kClustersPerGroup);
 }

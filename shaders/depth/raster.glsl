@@ -1,4 +1,4 @@
-// Rasterizes triangles of meshes into the tile's heights; an invocation draws one triangle or two that share an edge. Twin:
+// Rasterizes triangles of meshes into the tile's heights; an invocation draws one triangle or two that share an edge. Reference:
 // src/reference/depth.cpp (rays).
 //
 // Coverage is exact, in integers, with the coordinates of depth/mesh.glsl. Rows run along u. Heights z are floats, in m, in P.

@@ -98,7 +98,7 @@ const float kBottomless = -1e30;
 const float kLeastDescent = 1e-6;
 
 // Rays go along z of P. Their points are o + t d in O, where t = 0 is at the height of O's origin; `from`: the ray from O's origin, across,
-// in P. What does not depend on the ray, such as reciprocals, compilers move out of loops over samples.
+// in P. Compilers move terms that do not depend on the ray, such as reciprocals, out of loops over samples.
 //
 // Parts of a ray inside a convex set are intervals [near, far] of t; an empty one has near > far.
 vec2 slab(float o, float d, float low, float high) {
@@ -241,7 +241,7 @@ const uint kRoundKinds = 1u << kKindSphere | 1u << kKindCapsule | 1u << kKindCyl
 const bool kOnlyRound = (OBJECT_KINDS & ~kRoundKinds) == 0;
 
 struct RoundPart {
-  vec2 middle, ahead;        // of the segment, m, in P; ahead has unit length
+  vec2 middle, ahead;        // middle and direction of the segment, m, in P; ahead has unit length
   float half_length, reach;  // m
   bool exists;
 };

@@ -11,21 +11,21 @@
 
 struct Tile {
   Affine X_PS;        // patch from sensor
-  vec2 spacing;       // of samples
+  vec2 spacing;       // spacing of samples
   float sample_area;  // m^2
   float force_area;   // m^2: sample_area times the instance's factor on the skin's stiffness
-  vec2 corner;        // of sample (0, 0) of the patch, in P
-  uvec4 grid;         // of the patch, PatchRecord
+  vec2 corner;        // position of sample (0, 0) of the patch, in P
+  uvec4 grid;         // grid of the patch, PatchRecord
   uvec2 first_taxel;  // row and column in the patch
   uvec2 size;         // in taxels
   uint stride;        // samples of a row
   vec2 first, end;    // in samples of the patch, half-open
   float z_limit;      // surfaces at or above cannot touch
   float z_floor;      // surfaces below are the far side of the body and are ignored
-  float z_base;       // that the heights of the tile count from
-  float level;        // of the undeformed skin, below a float's resolution of the poses: what a load search adds to depths
-  float deepest;      // of the object whose cells are summed, at most, m; depth/area/cell_depths.glsl
-  float offset_z;     // by which a load search over several tiles has moved the objects along z of S
+  float z_base;       // reference of the heights of the tile
+  float level;        // height of the undeformed skin: the part of a load search's offset that is below a float's resolution of the poses
+  float deepest;      // bound of the depth of the object whose cells are summed, m; depth/area/cell_sums.glsl
+  float offset_z;     // offset of the objects along z of S that a load search over several tiles tries
 };
 
 // Samples of the tile: first and last row and column, inclusive; empty where a last is before its first.
@@ -47,7 +47,7 @@ vec2 samplePosition(Tile tile, vec2 sample_index) { return tile.corner + sample_
 // Up to which height over the skin surfaces count for the slope of depth, m.
 float cellReach(Tile tile) { return SAMPLES > 1 ? max(tile.spacing.x, tile.spacing.y) : 0.0; }
 
-// `number`: of the tile in the sensor.
+// `number`: index of the tile in the sensor.
 Tile loadTile(uint number) {
   Tile tile;
   uvec4 place = uvec4(0), size = uvec4(NUM_ROWS, NUM_COLS, 0, 0);
@@ -115,7 +115,7 @@ ObjectRecord objectOf(int id) {
 
 int objectInSlot(uint slot_index) { return wholeNumber(poseOf(slot_index).object.x); }
 
-// Number of the slot that a pose is of; the host leaves out slots whose object is far.
+// Number of the slot of a pose; the host leaves out slots whose object is far.
 uint slotNumber(uint slot_index) { return uint(wholeNumber(poseOf(slot_index).object.y)); }
 
 Body bodyInSlot(Tile tile, uint slot_index, int id) {

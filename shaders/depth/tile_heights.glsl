@@ -50,7 +50,7 @@ shared int active_box[4];  // first row, last row, first col, last col; not IN_V
 struct Found {
   Box samples;       // that surfaces may cover
   bool below_floor;  // a surface below Tile::z_floor, on sensors with several patches
-  uint full_cells;   // at the skin's full thickness, of which not all is covered; without keepsShares()
+  uint full_cells;   // partly covered cells at the skin's full thickness; without keepsShares()
 };
 
 bool isVisible(Tile tile, float z, inout Found found) {

@@ -1,9 +1,8 @@
 // Which tiles a workgroup computes, one after another: REPEAT of all tiles or of a list of instances (shared/batch.h).
 //
 // Some drivers end the loops of an invocation after a number of iterations in total (driver/loops.glsl), and a tile under a fine mesh
-// may take a large part of them, but few tiles do. With MOST_ITERATIONS a workgroup that has taken so many leaves its other tiles to a
-// second dispatch of the same kernel, whose workgroups take one tile each.
-// In, out: work, work_instances.
+// may take a large part of them, but few tiles do. With MOST_ITERATIONS a workgroup that has exceeded this budget leaves its other tiles to
+// a second dispatch of the same kernel, whose workgroups take one tile each. In, out: work, work_instances.
 #ifndef DEPTH_TILE_SEQUENCE_GLSL
 #define DEPTH_TILE_SEQUENCE_GLSL
 
@@ -15,20 +14,20 @@ shared uint num_listed_tiles;
 
 const bool kLeavesTiles = MOST_ITERATIONS > 0u;
 bool isSecondDispatch() { return kLeavesTiles && work[kSecondDispatch].x != 0; }
-bool leavesNextTile() { return kLeavesTiles && num_iterations > MOST_ITERATIONS; }
+bool exceedsBudget() { return kLeavesTiles && num_iterations > MOST_ITERATIONS; }
 
-// Place of a tile in the list of those left, which is behind the lists of instances.
-uint placeOfLeftTile(uint at) { return kNumLists * step_record.batch.x + at; }
-void leaveTile(uint number) { work_instances[placeOfLeftTile(newEntry(kLeftTiles, 1u))] = number; }
+// Index in work_instances[] of an entry of the list of left tiles, which follows the lists of instances.
+uint leftTileIndex(uint at) { return kNumLists * step_record.batch.x + at; }
+void leaveTile(uint number) { work_instances[leftTileIndex(appendEntry(kLeftTiles, 1u))] = number; }
 
-// Number of a tile over all instances, by its place among those of the dispatch. Lists of instances are of sensors with one tile.
-uint tileNumbered(uint place) {
-  if (isSecondDispatch()) return work_instances[placeOfLeftTile(place)];
-  return LIST < kNumLists ? work_instances[placeInList(LIST, place)] : place;
+// Number of a tile over all instances, by its index in the dispatch. Only sensors with one tile have lists of instances.
+uint tileNumbered(uint index) {
+  if (isSecondDispatch()) return work_instances[leftTileIndex(index)];
+  return LIST < kNumLists ? work_instances[listIndex(LIST, index)] : index;
 }
 
-// The places of this workgroup's tiles: the first one, and that behind the last one.
-uvec2 placesOfTiles() {
+// Indices of this workgroup's tiles in the dispatch: first and end.
+uvec2 tileRange() {
   bool second = isSecondDispatch();
   uint all = step_record.batch.x * NUM_TILES;
   if (LIST < kNumLists) all = work[LIST].w;

@@ -1,4 +1,4 @@
-// What the invocations of a workgroup do together: barriers, reductions, lists.
+// Work of all invocations of a workgroup together: barriers, reductions, lists.
 //
 // With ONE_VECTOR a workgroup is one vector of a software driver, whose lanes run in lockstep and need not wait; the remaining memory
 // barriers only keep the compiler from reusing old values. ONE_VECTOR is a macro: SwiftShader takes minutes to compile a specialization

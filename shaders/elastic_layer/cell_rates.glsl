@@ -1,25 +1,25 @@
-// How the covered parts of cells, and with them the compliances of their nodes, change under a rigid motion of the objects. Twin:
+// How the covered parts of cells, and with them the compliances of their nodes, change under a rigid motion of the objects. Reference:
 // src/reference/layer_cell_rates.cpp, with the derivation.
 //
 //   A ds/dt = -sum over the sides of int u n dl,    A d(s c)/dt = s A u - sum over the sides of int r u n dl
 //
-// over what is covered of the sides of a cell: in a cell that an edge cuts what is behind the straight line with the covered share s on one
-// side, across the direction to the centroid c. Two cells give the side between them the mean of their intervals, unless one of the cells
-// is whole or empty.
+// over the covered part of the sides of a cell: in a cell that an edge cuts, the part behind the straight line with the covered share s on
+// one side, across the direction to the centroid c. Two cells give the side between them the mean of their intervals, unless one of the
+// cells is whole or empty.
 
 struct CellRate {
   float covered;  // per unit of the motion
-  vec2 place;     // of the centroid, m per unit
+  vec2 center;    // velocity of the centroid, m per unit
 };
 
-const uint kCoveredRate = kLayerTarget, kPlaceRateX = kLayerDirection,
-           kPlaceRateY = kLayerProduct;  // arrays of the rates of the window's cells
+const uint kCoveredRate = kLayerTarget, kCentroidRateX = kLayerDirection,
+           kCentroidRateY = kLayerProduct;  // arrays of the rates of the window's cells
 
 // 0 outside the window.
 CellRate storedRate(Window window, uvec2 node) {
   if (!isInWindow(window, node)) return CellRate(0.0, vec2(0));
   uint start = window.layer_start;
-  return CellRate(valueAt(start, kCoveredRate, node), vec2(valueAt(start, kPlaceRateX, node), valueAt(start, kPlaceRateY, node)));
+  return CellRate(valueAt(start, kCoveredRate, node), vec2(valueAt(start, kCentroidRateX, node), valueAt(start, kCentroidRateY, node)));
 }
 
 struct CellLine {
@@ -32,7 +32,7 @@ struct CellLine {
 CellLine lineAt(Surface surface, uvec2 node) {
   if (!isReached(surface, node)) return CellLine(false, 0.0, vec2(1, 0), 0.0);
   NodeCell cell = cellAt(surface, node);
-  vec2 center = cell.place / nodeSpacing();
+  vec2 center = cell.center / nodeSpacing();
   float size = abs(center.x) + abs(center.y);
   if (cell.covered == 0.0 || cell.edge == 0.0 || size == 0.0) return CellLine(false, cell.covered > 0.0 ? 1.0 : 0.0, vec2(1, 0), 0.0);
   vec2 normal = -center / size;
@@ -44,7 +44,7 @@ vec2 sidePoint(uint side, float along) {
   return side < 2 ? vec2(across, along) : vec2(along, across);
 }
 
-// Length and moment about the middle of what a cell has covered of its side at x = -0.5, x = 0.5, y = -0.5 or y = 0.5.
+// Length, and moment about the middle, of the covered part of a cell's side at x = -0.5, x = 0.5, y = -0.5 or y = 0.5.
 vec2 coveredOf(CellLine line, uint side) {
   if (!line.is_cut) return vec2(line.whole, 0);
   vec2 ends =
@@ -55,7 +55,7 @@ vec2 coveredOf(CellLine line, uint side) {
   return behind.x ? vec2(0.5 + crossing, moment) : vec2(0.5 - crossing, -moment);
 }
 
-// What is covered of the side between a cell and the next one, as coveredOf(). Outside of the grid the next one is like the cell.
+// Covered part of the side between a cell and the next one, as coveredOf(). Outside of the grid the next one is like the cell.
 vec2 sharedSide(Surface surface, CellLine own, uvec2 next_node, uint side) {
   vec2 part = coveredOf(own, side);
   if (any(greaterThanEqual(next_node, uvec2(NODE_ROWS, NODE_COLS)))) return part;  // -1 wraps to a large number
@@ -63,13 +63,13 @@ vec2 sharedSide(Surface surface, CellLine own, uvec2 next_node, uint side) {
   return next.is_cut ? 0.5 * (part + coveredOf(next, side ^ 1u)) : vec2(next.whole, 0);
 }
 
-// Rate of a cell under the motion v, w of the objects, in P; `depth`: of what is covered, m.
+// Rate of a cell under the motion v, w of the objects, in P; `depth`: of the covered part, m.
 CellRate cellRate(Surface surface, uvec2 node, float depth, vec3 v, vec3 w) {
   NodeCell cell = cellAt(surface, node);
   CellLine own = lineAt(surface, node);
   CellRate rate = CellRate(0.0, vec2(0));
   if (!own.is_cut) return rate;
-  vec2 spacing = nodeSpacing(), center = cell.place / (cell.edge * spacing), at = nodePosition(node);
+  vec2 spacing = nodeSpacing(), center = cell.center / (cell.edge * spacing), at = nodePosition(node);
   vec2 moment = cell.covered * (v + cross(w, vec3(at + center * spacing, -depth))).xy / spacing;
   for (uint side = 0; side < 4; ++side) {
     int to = (side & 1u) == 0 ? -1 : 1;
@@ -80,7 +80,7 @@ CellRate cellRate(Surface surface, uvec2 node, float depth, vec3 v, vec3 w) {
     rate.covered -= flow;
     moment -= flow * middle;
   }
-  rate.place = (moment - rate.covered * center) / cell.covered * spacing;
+  rate.center = (moment - rate.covered * center) / cell.covered * spacing;
   return rate;
 }
 
@@ -112,10 +112,10 @@ float complianceRate(Surface surface, Window window, uvec2 node) {
     NodeCell other = cellAt(surface, at);
     if (other.share == 0.0 || cell.share >= 1.0 && other.share >= 1.0) continue;
     CellRate next = storedRate(window, at);
-    vec2 nodes = vec2(step_to) * nodeSpacing(), between = nodes + other.place - cell.place;
+    vec2 nodes = vec2(step_to) * nodeSpacing(), between = nodes + other.center - cell.center;
     float r = length(between), shares = cell.share + other.share,
           difference = mutualCompliance(between, shares) - mutualCompliance(nodes, 2.0);
-    vec2 slopes = mutualSlopes(r, shares), moved = other.edge * next.place - cell.edge * rate.place;
+    vec2 slopes = mutualSlopes(r, shares), moved = other.edge * next.center - cell.edge * rate.center;
     float by_clouds = slopes.x * dot(between, moved) / max(r, 1e-9) + slopes.y * (own + other.edge * next.covered);
     mutual += sqrt(other.covered) * (by_clouds + 0.5 * difference * (next.covered / other.covered - own / cell.share));
   }

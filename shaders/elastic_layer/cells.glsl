@@ -1,5 +1,5 @@
-// Cells that an edge of an object covers in part, with area sampling: the height over what is covered, its centroid, and the own compliance
-// of such a node.
+// Cells that an edge of an object covers in part, with area sampling: the height over the covered part, its centroid, and the own
+// compliance of such a node.
 //
 // A pressed part of a cell is softer than the cell under the same force, and parts of neighbouring cells are closer to each other than the
 // middles of their cells. Both go into the node's own compliance, so that influence still depends on distance alone
@@ -13,19 +13,19 @@
 //
 // m belongs to two round clouds whose forces act over w; their image is the base.
 // sqrt(s_j / s_i) is the ratio of forces under a flat object; a surface that only enters a cell has the share that it covers there.
-// Compliances are relative to a whole cell's. Constants: src/sensor/elastic_layer.h. Twin: src/reference/layer_cells.cpp.
+// Compliances are relative to a whole cell's. Constants: src/sensor/elastic_layer.h. Reference: src/reference/layer_cells.cpp.
 
 const float kPi = 3.14159265358979;
 const uint kLayerCompliance = kLayerArrays - 1u;      // array of compliance - 1
 const uint kLayerDentCompliance = kLayerArrays - 2u;  // the same of a dent, of a skin that relaxes
-const float kLeastCompliance = 0.5;                   // of a node, for layers much thinner than a cell
+const float kLeastCompliance = 0.5;                   // bound for layers much thinner than a cell
 
 struct NodeCell {
-  float height;   // over what is covered, m
+  float height;   // over the covered part, m
   float share;    // that counts as covered: 1 without an edge; 0: nothing touches
   float covered;  // share that is covered
-  vec2 place;     // of the centroid, from the node, m
-  float edge;     // how far an edge bounds what is covered
+  vec2 center;    // centroid, from the node, m
+  float edge;     // how far an edge bounds the covered part
   uint slot;
 };
 
@@ -39,7 +39,7 @@ NodeCell cellAt(Surface surface, uvec2 node) {
                   slotOf(part.height));
 }
 
-// Height that a node meets, m: in the middle of its cell, or over what an edge bounds.
+// Height that a node meets, m: in the middle of its cell, or over the part that an edge bounds.
 float heightOf(NodeCell cell, float height) {
   if (cell.edge == 0.0) return height;
   return height >= kNoHeight ? cell.height : mix(height, cell.height, cell.edge);
@@ -75,8 +75,8 @@ float complianceOf(Surface surface, uvec2 node) {
     NodeCell other = cellAt(surface, at);
     if (other.share == 0.0 || cell.share >= 1.0 && other.share >= 1.0) continue;
     vec2 nodes = vec2(step_to) * nodeSpacing();
-    mutual +=
-        sqrt(other.covered) * (mutualCompliance(nodes + other.place - cell.place, cell.share + other.share) - mutualCompliance(nodes, 2.0));
+    mutual += sqrt(other.covered) *
+              (mutualCompliance(nodes + other.center - cell.center, cell.share + other.share) - mutualCompliance(nodes, 2.0));
   }
   return max(ownCompliance(cell.share) + POINT_COMPLIANCE * mutual * inversesqrt(cell.share), kLeastCompliance);
 }
@@ -97,7 +97,7 @@ void setCompliances(Surface surface, Window window) {
   workgroupBarrierWithBuffers();
 }
 
-// Over a strip: x and y from the nodes to the places of their forces, m, and the shares that count as covered.
+// Over a strip: x and y from the nodes to the points where their forces act, m, and the shares that count as covered.
 struct StripCells {
   vec4 x, y, share;
 };
@@ -108,14 +108,14 @@ StripCells cellsOver(Surface surface, uvec2 at) {
     uvec2 node = uvec2(at.x, at.y + c);
     NodeCell cell = noNodeCell();
     if (isReached(surface, node)) cell = cellAt(surface, node);
-    cells.x[c] = cell.place.x;
-    cells.y[c] = cell.place.y;
+    cells.x[c] = cell.center.x;
+    cells.y[c] = cell.center.y;
     cells.share[c] = cell.share;
   }
   return cells;
 }
 
-// What the solver weights the residual of a node with: one over its own compliance.
+// Weights of the solver for residuals: one over the compliance of the node.
 vec4 weighted(Window window, uvec2 at, vec4 values) {
   if (!AREA) return values;
   return values / (1.0 + readStrip(window, kLayerCompliance, at));

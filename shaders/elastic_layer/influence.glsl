@@ -1,15 +1,15 @@
 // Product of the influence matrix A with an array of a layer: the displacement (thicknesses) that it causes at a strip of nodes.
 //
-// A depends on the distance of two nodes only. The table Influence holds its coefficients as (NODE_ROWS x 2 kRowStrips) strips: by distance
-// of the rows, then by distance of the strips from -kRowStrips up; the host computes it (src/sensor/elastic_layer.cpp). A strip of sources
-// and a strip of results need kStrip^2 products but only 2 kStrip - 1 coefficients, of which half are kept from the strip before.
+// A depends on the distance of two nodes only. The table Influence holds its coefficients as (NODE_ROWS x 2 kRowStrips) strips: by the
+// distance of the rows, then by that of the strips from -kRowStrips up; the host computes it (src/sensor/elastic_layer.cpp). A strip of
+// sources and a strip of results need kStrip^2 products but only 2 kStrip - 1 coefficients, of which half are kept from the strip before.
 
 // Four consecutive values that begin 1, 2 or 3 before those of b; a holds the four before b.
 vec4 before1(vec4 a, vec4 b) { return vec4(a.w, b.xyz); }
 vec4 before2(vec4 a, vec4 b) { return vec4(a.zw, b.xy); }
 vec4 before3(vec4 a, vec4 b) { return vec4(a.yzw, b.x); }
 
-// Of a strip `x` of sources, with the coefficients from `past` on.
+// Product of a strip `x` of sources with the coefficients from `past` on.
 vec4 productOf(vec4 x, vec4 past, vec4 next) {
   return x.x * next + x.y * before1(past, next) + x.z * before2(past, next) + x.w * before3(past, next);
 }

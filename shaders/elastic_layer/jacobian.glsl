@@ -1,4 +1,4 @@
-// The tactile Jacobian of an elastic layer: how its forces change as the sensor moves and the objects stay. Twin:
+// The tactile Jacobian of an elastic layer: how its forces change as the sensor moves and the objects stay. Reference:
 // src/reference/layer_rates.cpp.
 // Out: taxel_jacobian (num_instances x 6 x num_taxels), N/m and N/rad; wrench_jacobian (num_instances x 6 x 6).
 //
@@ -6,12 +6,12 @@
 // Nodes that enter or leave contact carry no force at that moment. The object's surface lies at z = -d(x, y) of P; its point p = (x, y, -d)
 // moves with u = v + w x p, so that d changes by -u_z - u_x d_x - u_y d_y. For a skin that relaxes these are the instantaneous changes.
 //
-// With area sampling A changes with what is covered of the cells, so that A dp = dd - dA p (elastic_layer/cell_rates.glsl), and d is the
-// depth at the place of what is covered, which moves.
+// With area sampling A changes with the covered parts of the cells, so that A dp = dd - dA p (elastic_layer/cell_rates.glsl), and d is the
+// depth at the centroid of the covered part, which moves.
 //
 // kLayerTarget holds the changes of pressure dp, kLayerResidual the residual dd - A dp; the solver no longer needs either.
 
-const uint kMaxJacobianIterations = 48;  // of conjugate gradients; a few thousand nodes in contact take half as many
+const uint kMaxJacobianIterations = 48;  // iterations of conjugate gradients; a few thousand nodes in contact take half as many
 const float kJacobianTolerance = 1e-8;   // squared residual, as a share of the first one
 const float kWallSlope = 2.0;            // slope of depth beyond which there is a wall
 
@@ -22,12 +22,12 @@ float knownHeight(Surface surface, uvec2 node) {
   return inside ? heightAt(surface, node) : kNoHeight;
 }
 
-// Distance between a node and the next one along an axis, of the places of what is covered, m.
+// Distance along an axis between the centroids of the covered parts of a node's cell and the next one, m.
 float distanceBetween(Surface surface, uvec2 node, uvec2 next, uint axis) {
   const float kClosest = 0.25;  // spacings
   float spacing = nodeSpacing()[axis];
   if (!AREA || !isReached(surface, node) || !isReached(surface, next)) return spacing;
-  return max(spacing + cellAt(surface, next).place[axis] - cellAt(surface, node).place[axis], kClosest * spacing);
+  return max(spacing + cellAt(surface, next).center[axis] - cellAt(surface, node).center[axis], kClosest * spacing);
 }
 
 // Slope of depth along rows (axis 0) or columns (axis 1): the mean of the one-sided differences, without walls.
@@ -45,14 +45,14 @@ float slopeOfDepth(Surface surface, uvec2 node, uint axis) {
 float overlapRate(Surface surface, Window window, uvec2 node, float shift, vec3 v, vec3 w) {
   float d = overlapAt(surface, node) + shift;
   if (d >= 1.0) return 0.0;
-  vec2 place = vec2(0), of_place = vec2(0);
+  vec2 center = vec2(0), center_rate = vec2(0);
   if (AREA) {
     NodeCell cell = cellAt(surface, node);
-    place = cell.place;
-    of_place = cell.edge * storedRate(window, node).place;
+    center = cell.center;
+    center_rate = cell.edge * storedRate(window, node).center;
   }
-  vec3 u = v + cross(w, vec3(nodePosition(node) + place, -d * THICKNESS));
-  u.xy -= of_place;
+  vec3 u = v + cross(w, vec3(nodePosition(node) + center, -d * THICKNESS));
+  u.xy -= center_rate;
   return -(u.z + u.x * slopeOfDepth(surface, node, 0) + u.y * slopeOfDepth(surface, node, 1)) / THICKNESS;
 }
 
@@ -65,7 +65,7 @@ void addPressedSources(Window window) {
   workgroupBarrierWithBuffers();
 }
 
-// Stores the rates of the cells of a strip for storedRate(). Returns the sum over the nodes of pressure times the velocity of its place.
+// Stores the rates of the cells of a strip for storedRate(). Returns the sum over the nodes of pressure times the velocity of the centroid.
 vec2 storeCellRates(Surface surface, Window window, uvec2 at, float shift, vec3 v, vec3 w) {
   vec4 covered = vec4(0), x = vec4(0), y = vec4(0);
   vec2 moved = vec2(0);
@@ -73,18 +73,18 @@ vec2 storeCellRates(Surface surface, Window window, uvec2 at, float shift, vec3 
     uvec2 node = uvec2(at.x, at.y + c);
     if (!isReached(surface, node)) continue;
     CellRate rate = cellRate(surface, node, (overlapAt(surface, node) + shift) * THICKNESS, v, w);
-    moved += valueAt(window.layer_start, kLayerPressure, node) * cellAt(surface, node).edge * rate.place;
+    moved += valueAt(window.layer_start, kLayerPressure, node) * cellAt(surface, node).edge * rate.center;
     covered[c] = rate.covered;
-    x[c] = rate.place.x;
-    y[c] = rate.place.y;
+    x[c] = rate.center.x;
+    y[c] = rate.center.y;
   }
   writeStrip(window, kCoveredRate, at, covered);
-  writeStrip(window, kPlaceRateX, at, x);
-  writeStrip(window, kPlaceRateY, at, y);
+  writeStrip(window, kCentroidRateX, at, x);
+  writeStrip(window, kCentroidRateY, at, y);
   return moved;
 }
 
-// Stores the rates of all cells of the window; returns the sum of pressure times the velocity of its place.
+// Stores the rates of all cells of the window; returns the sum of pressure times the velocity of the centroid.
 vec2 storeCellRates(Surface surface, Window window, float shift, vec3 v, vec3 w) {
   REDUCE_STRIPS(window, vec4(0), sums.xy += storeCellRates(surface, window, at, shift, v, w))
   return sumOfPartials(window.num_parts).xy;
@@ -95,7 +95,7 @@ vec2 storeCellRates(Surface surface, Window window, float shift, vec3 v, vec3 w)
 float pressureAt(Window window, uvec2 node) {
   float pressure = valueAt(window.layer_start, kLayerPressure, node);
   if (RELAXATION == 0) return pressure;
-  const float kNear = 0.01;  // of the compliance
+  const float kNear = 0.01;  // share of the compliance
   float now = valueAt(window.layer_start, kLayerCompliance, node), then = valueAt(window.layer_start, kLayerDentCompliance, node);
   float part = now == 0.0 || now * then < 0.0 ? 0.0 : clamp(0.5 + (abs(then) / abs(now) - 1.0) / (2.0 * kNear), 0.0, 1.0);
   return mix(pressure, valueAt(window.layer_start, kLayerStrain, node), part);
@@ -180,8 +180,8 @@ void addChanges(Surface surface, Window window, uvec2 at, inout vec4 sums) {
   }
 }
 
-// Writes the wrench's derivative by coordinate `c` of the sensor's twist. `moved`: the sum of pressure times the velocity of its place, m
-// per unit. `origin`: of P in S, m.
+// Writes the wrench's derivative by coordinate `c` of the sensor's twist. `moved`: the sum of pressure times the velocity of the centroid,
+// m per unit. `origin`: of P in S, m.
 void writeWrenchJacobian(uint instance, Surface surface, Window window, uint c, vec2 moved, mat3 R_SP, vec3 origin, float node_force) {
   REDUCE_STRIPS(window, vec4(0), addChanges(surface, window, at, sums))
   vec4 sums = (sumOfPartials(window.num_parts) + vec4(0, moved, 0)) * node_force;

@@ -1,15 +1,15 @@
 // Relaxation of an elastic layer. All its moduli follow one k(t), so that the pressures p follow the strain pressures P, with A P = w, node
-// by node as those of a sample follow its strain (skin/sample_states.glsl, which defines e, c, held and gain). Twins:
+// by node as those of a sample follow its strain (skin/sample_states.glsl, which defines e, c, held and gain). References:
 // src/reference/relaxation.cpp, elastic_layer.cpp.
 //
 // Without pressure a step leaves the dent q = P - held / gain; pressure adds p / gain to it. With p' = p / gain the contact problem is
 //   A p' = d - A q where p' > 0,   A p' >= d - A q elsewhere:
 // that of a layer without relaxation whose targets are lower by the displacement of the dents. Then P' = q + p'.
 //
-// With area sampling a pressure is the mean over a node's whole cell, of dents too. Its own displacement has the compliance of what was
-// covered when it acted (kLayerDentCompliance, a mean with the pressures as weights); another part of the cell meets of it what both parts
-// have in common: the compliance that is nearer to a whole cell's. So a dent under what made it moves as the pressures there, and a dent of
-// a whole cell or under one moves as with points.
+// With area sampling a pressure is the mean over a node's whole cell, of dents too. Its own displacement has the compliance of the part
+// that was covered when it acted (kLayerDentCompliance, a mean with the pressures as weights); another part of the cell meets the share of
+// it that both parts have in common: the compliance that is nearer to a whole cell's. So a dent under what made it moves as the pressures
+// there, and a dent of a whole cell or under one moves as with points.
 //
 // State: P and one overstress h per term, over all nodes, in units of pressures (kLayerStrain, kLayerOverstress).
 
@@ -25,7 +25,7 @@ vec4 dentAt(SkinStep step, uint layer_start, uvec2 at) {
   return max(dent, 0.0);  // negative only by rounding
 }
 
-// Compliance of dents to what is covered now, less that of a whole cell.
+// Compliance of dents to the part that is covered now, less that of a whole cell.
 vec4 dentCompliance(Window window, uvec2 at) {
   vec4 then = readStrip(window, kLayerDentCompliance, at), now = readStrip(window, kLayerCompliance, at);
   return clamp(then, min(now, 0.0), max(now, 0.0));
@@ -36,7 +36,7 @@ float lowerTargets(SkinStep step, Window window, uvec2 at) {
   // kNoTarget is so large that the difference rounds to it.
   vec4 target = readStrip(window, kLayerTarget, at) - displacementAt(window, at, kLayerDirection);
   if (AREA && !step.is_new) {
-    // The displacement has the compliances of what is covered now.
+    // The displacement has the compliances of the parts that are covered now.
     vec4 other = dentCompliance(window, at) - readStrip(window, kLayerCompliance, at);
     target -= other * readStrip(window, kLayerDirection, at);
   }

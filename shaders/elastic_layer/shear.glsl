@@ -1,4 +1,4 @@
-// Shear of an elastic layer: skin/friction.glsl at every node under pressure, of taxels and margin alike. Forces in N, in P. Twin:
+// Shear of an elastic layer: skin/friction.glsl at every node under pressure, of taxels and margin alike. Forces in N, in P. Reference:
 // src/reference/friction.cpp.
 
 // Springs, whose state is their traction.
@@ -24,7 +24,7 @@ void writeStateWindow(uint start, uvec4 window) {
 uint frictionStart(uint instance) { return instance * (kFrictionHeader + NODE_ROWS * NODE_COLS); }
 uint shearState(uint instance, uvec2 node) { return frictionStart(instance) + kFrictionHeader + node.x * NODE_COLS + node.y; }
 
-// Of a node inside the rectangle that this step has stored, Pa.
+// Shear traction of a node inside the rectangle that this step has stored, Pa.
 vec2 tractionAt(uint instance, uvec2 node) {
   uvec2 words = friction_state[shearState(instance, node)];
   return hasContact(words) ? shearOf(words) : vec2(0);
@@ -44,7 +44,7 @@ uvec4 pressedNodes(Window window) {
 }
 
 // `pressed`: as pressedNodes() returns it. `shift`: of the solution, thicknesses. `moved_z`: by how much a load search has moved the
-// objects along z of S in this step, m. `node_force`: of a node under the pressure 1, N.
+// objects along z of S in this step, m. `node_force`: force of a node under the pressure 1, N.
 Shear shearNodes(uint instance, uint num_slots, Surface surface, uint layer_start, uvec4 pressed, float shift, float moved_z,
                  float node_force) {
   uvec4 state_window = readStateWindow(frictionStart(instance));
@@ -60,7 +60,7 @@ Shear shearNodes(uint instance, uint num_slots, Surface surface, uint layer_star
       float pressure = valueAt(layer_start, kLayerPressure, node) * (node_force / nodeArea());
       NodeCell cell = cellAt(surface, node);
       uint slot = cell.edge > 0.0 ? cell.slot : slotOf(heightWordAt(surface, node));
-      vec3 p = vec3(nodePosition(node) + cell.place, -(overlapAt(surface, node) + shift) * THICKNESS);
+      vec3 p = vec3(nodePosition(node) + cell.center, -(overlapAt(surface, node) + shift) * THICKNESS);
       float covered = cell.share > 0.0 ? cell.share : 1.0;  // skin that bulges meets a surface above it
       uvec2 words = isInside(node, state_window) ? friction_state[shearState(instance, node)] : uvec2(kNoFrictionState, 0u);
       vec2 q = shearTraction(words, pressure > 0.0, slot, only_motion, p, covered, pressure, 0.0);

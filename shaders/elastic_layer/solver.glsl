@@ -1,6 +1,6 @@
 // Conjugate gradients for the pressures of an elastic layer in contact: A p = d where p > 0, A p >= d where p = 0 (Polonsky and Keer, Wear
-// 231 (1999) 206). The active set, the nodes in contact, changes in every step. Units are thicknesses: A has ones on its diagonal. Twin:
-// src/reference/elastic_layer.cpp.
+// 231 (1999) 206). The active set, the nodes in contact, changes in every step. Units are thicknesses: A has ones on its diagonal.
+// Reference: src/reference/elastic_layer.cpp.
 //
 //   r = A p - target - shift   kLayerResidual holds A p - target
 //   t                          kLayerDirection

@@ -4,7 +4,7 @@
 // `at`, its row and the column of its first node, a multiple of kStrip. Nodes past NODE_COLS pad a row.
 
 const uint kRowStrips = (NODE_COLS + kStrip - 1) / kStrip;
-const uint kNumStrips = NODE_ROWS * kRowStrips;  // of a whole array
+const uint kNumStrips = NODE_ROWS * kRowStrips;  // strips of a whole array
 const uint kRowNodes = kRowStrips * kStrip;
 const uint kLayerArrays = kNumLayerArrays + (RELAXATION > 0 ? 1 + RELAXATION : 0) + (AREA ? RELAXATION > 0 ? 2 : 1 : 0);
 

@@ -4,7 +4,7 @@
 // positive below Surface::origin.
 
 struct Surface {
-  uint first_height;  // of the instance in heights[]
+  uint first_height;  // index of the instance in heights[]
   uvec4 reached;      // nodes under objects: first row, end row, first col, end col; all 0 without any
   float origin;       // height at which the overlap is 0, m
 };

@@ -1,4 +1,4 @@
-// Principal axes of second moments (paper eq. 3, with the quadrant kept). Twin: src/reference/features.cpp.
+// Principal axes of second moments (paper eq. 3, with the quadrant kept). Reference: src/reference/features.cpp.
 
 const float kPi = 3.14159265358979;
 // m^2; an image whose eigenvalues differ by less than (1 um)^2 has no direction.

@@ -18,13 +18,13 @@ bool reportsForce(float force, float trigger) { return force > (is_clean ? trigg
 
 // The taxels of one row of an instance: the sensor's, a patch's or a region's.
 struct Part {
-  uint first_four;  // of the instance, in forces[] and taxel_regions[]
+  uint first_four;  // index of the instance in forces[] and taxel_regions[]
   uint first, end;  // range that holds its taxels
   uint region;      // its taxels are those of this region; kNoRegion: all in the range
   uint plane;
   bool is_grid;    // the taxels are those of the plane's grid; else their positions are in S
-  vec4 pitch;      // of the plane
-  vec2 size;       // of the grid, rows and columns
+  vec4 pitch;      // pitch of the plane
+  vec2 size;       // rows and columns of the grid
   float per_col;   // 1 / columns
   vec3 per_pitch;  // 1 / pitch
 };
@@ -78,5 +78,5 @@ vec3 positionOf(Part part, uint t) {
   return inPlane(part, chartOf(t).xyz);
 }
 
-// Mean place of what a taxel receives, in C, m. `reception`: receptionOf(t).
-vec3 receptionPlace(Part part, uint t, vec4 reception) { return inPlane(part, vec3(reception.xy, kOnePatch ? 0.0 : readoutOf(t).w)); }
+// Mean position of the force that a taxel receives, in C, m. `reception`: receptionOf(t).
+vec3 receptionPosition(Part part, uint t, vec4 reception) { return inPlane(part, vec3(reception.xy, kOnePatch ? 0.0 : readoutOf(t).w)); }

@@ -1,13 +1,13 @@
-// Sums over the taxels of a part (features/contact_parts.glsl), in a fixed order. Forces in N, lengths in m. Twin:
+// Sums over the taxels of a part (features/contact_parts.glsl), in a fixed order. Forces in N, lengths in m. Reference:
 // src/reference/contact_features.cpp.
 
 const float kWindow = 1.15;  // standard deviation of the Gaussian window, pitches
 
 const float kTaxelNumbers = 16777216.0;  // 2^24: floats hold all numbers of taxels below it
 
-// What a scan sums over the taxels of a part: one of these, or kSumsWindow and one of the last two.
+// Kind of sums of a scan over the taxels of a part: one of these, or kSumsWindow and one of the last two.
 const uint kSumsForce = 1u;   // the largest force; force, first moments (3), area, number of taxels that report
-const uint kSumsPeak = 2u;    // of lists: kTaxelNumbers less the first taxel with the largest force
+const uint kSumsPeak = 2u;    // on lists of taxels: kTaxelNumbers less the first taxel with the largest force
 const uint kSumsWindow = 4u;  // first (2) moments, force and second (3) moments about a point, weighted by a Gaussian window around it
 const uint kSumsSecond = 8u;  // from kAfterWindow: first (3) and second (3) moments about the same point; the sums over core taxels
 const uint kSumsRidge = 16u;  // from kAfterWindow: normal equations of a step of the fit of a ridge (features/ridge.glsl)

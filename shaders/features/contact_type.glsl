@@ -1,11 +1,11 @@
 // Type of a contact (ContactType, shared/features.h), from length and width of the rectangle of uniform pressure that has its second
 // moments, less what spread and taxel size add to them. A contact that is as wide as the array is no edge: the array ends there, not the
-// contact. Twin: src/reference/contact_features.cpp.
+// contact. Reference: src/reference/contact_features.cpp.
 
 const float kNoiseFactor = 5.0;     // standard deviations of the noise that a force must exceed
 const float kMaxPointLength = 2.5;  // pitches
-const float kMaxEdgeWidth = 0.5;    // of its length
-const float kArrayWidth = 0.9;      // of the array under even pressure
+const float kMaxEdgeWidth = 0.5;    // share of its length
+const float kArrayWidth = 0.9;      // share of the width of the array under even pressure
 
 // Pitch along an axis of C, m.
 float pitchAlong(PlaneRecord plane, vec2 axis) { return length(axis * plane.pitch.xy); }

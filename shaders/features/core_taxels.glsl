@@ -1,5 +1,5 @@
 // Core taxels of a contact: those so far inside it that the spread brings them as much force as it takes away. All taxels of the patch
-// around a core taxel report. A taxel at the patch's border is never one, since the contact may end anywhere beyond it. Twin:
+// around a core taxel report. A taxel at the patch's border is never one, since the contact may end anywhere beyond it. Reference:
 // src/reference/contact_features.cpp.
 //
 // A taxel is one where all taxels of its row within the patch's core distance report, and the same holds for all of its column within that

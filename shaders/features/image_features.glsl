@@ -1,5 +1,5 @@
 // Features of an instance that the image pass writes: moments of the measured and of the clean image, and what the contact pass has left of
-// wrench, depth and load. Layout: shared/features.h. Twin: src/reference/features.cpp.
+// wrench, depth and load. Layout: shared/features.h. Reference: src/reference/features.cpp.
 
 // A tile that nothing reached has the forces 0, one whose forces vanished -0. Compared as bits, since drivers leave out additions of 0.
 float unsignedZero(float x) { return (floatBitsToUint(x) << 1) == 0 ? 0.0 : x; }

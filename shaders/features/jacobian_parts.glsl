@@ -11,11 +11,11 @@ struct Part {
   uint first, end;  // range of its taxels
   uint plane;
   bool is_grid;  // the taxels are those of the plane's grid; else their positions are in S
-  vec2 pitch;    // of the plane
-  vec2 size;     // of the grid, rows and columns
-  vec2 gains;    // of the instance: factor on all gains, spread between taxels
-  uvec2 keys;    // of the instance, for random numbers
-  vec2 readout;  // of the first taxel of the sensor: gain; trigger, N
+  vec2 pitch;    // pitch of the plane
+  vec2 size;     // rows and columns of the grid
+  vec2 gains;    // factor on all gains of the instance, their spread between taxels
+  uvec2 keys;    // keys of the instance for random numbers
+  vec2 readout;  // gain; trigger, N, of the first taxel
 };
 
 // Part `number` (< kParts) of an instance; empty if it is not due.

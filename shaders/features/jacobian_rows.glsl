@@ -1,4 +1,4 @@
-// Derivatives of total force, centre of pressure and edge angle from those of the moments. Layout: shared/features.h. Twin:
+// Derivatives of total force, centre of pressure and edge angle from those of the moments. Layout: shared/features.h. Reference:
 // src/reference/tactile_jacobian.cpp.
 
 // Derivatives of the features of a row by one coordinate of the twist, per m or rad.

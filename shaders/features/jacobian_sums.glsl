@@ -1,10 +1,10 @@
 // Sums over the taxels of a part (features/jacobian_parts.glsl) or the tiles of its instance, in a fixed order. `middle`: the point of the
-// moments, in C, m; `k`: a coordinate of the sensor's twist. Twin: src/reference/tactile_jacobian.cpp.
+// moments, in C, m; `k`: a coordinate of the sensor's twist. Reference: src/reference/tactile_jacobian.cpp.
 //
 // The moments of a part are sums over its taxels t of a weight of t times the changes of the contact forces that spread to t. The kernel of
 // a grid is applied to the weights rather than to the changes: one kernel serves six coordinates of the twist.
 
-// What is summed over the taxels of a part.
+// Kind of sums over the taxels of a part.
 const uint kSumsFirst = 0u;   // force, first moments (3)
 const uint kSumsSecond = 1u;  // second moments (3) about a point
 const uint kSumsWrench = 2u;  // derivatives of the wrench (6), over tiles

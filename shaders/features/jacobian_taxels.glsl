@@ -1,5 +1,5 @@
 // One taxel of the tactile Jacobian: its reading (the clean force, or what the readout makes of it before noise). Forces in N.
-// Twin: src/reference/tactile_jacobian.cpp.
+// Reference: src/reference/tactile_jacobian.cpp.
 
 // A taxel's force as the features count it, N, and its derivative by the spread force.
 vec2 readingOf(Part part, uint t) {

@@ -1,4 +1,4 @@
-// Stage 6: features from sums over taxels (paper section II.C and eq. 3, with the quadrant kept). Twin: src/reference/features.cpp.
+// Stage 6: features from sums over taxels (paper section II.C and eq. 3, with the quadrant kept). Reference: src/reference/features.cpp.
 
 #include "features/axes.glsl"
 

@@ -7,10 +7,10 @@ const bool kByBits = TEAM == 1u && NUM_ROWS > 0u && NUM_ROWS <= kMostBits&& NUM_
 const uint kBitRows = kByBits ? NUM_ROWS : 1u;
 
 uint reporting[kBitRows];  // taxels that report and are in no region yet
-uint core[kBitRows];       // core taxels; until they are found, those that are not saturated
+uint core[kBitRows];       // core taxels; until they are found, taxels that are not saturated
 uint grown[kBitRows];      // taxels of the region that is being found
 
-// Writes the forces of all taxels and the words of the silent ones; returns the largest force of those that report. `is_stray`: a silent
+// Writes the forces of all taxels and the words of the silent ones; returns the largest force of reporting taxels. `is_stray`: a silent
 // taxel has a force.
 float writeForcesByBits(Instance instance, out bool is_stray) {
   is_stray = false;

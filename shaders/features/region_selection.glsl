@@ -1,9 +1,9 @@
 // Forces of regions, and the selection of the largest. Forces are summed as integers, shares of the largest force in FORCE_STEPS steps, so
-// that the order of additions does not matter. Twin: src/reference/contact_features.cpp.
+// that the order of additions does not matter. Reference: src/reference/contact_features.cpp.
 // Shared memory: 12 bytes per team.
 
 shared uint num_regions[kTeams];                     // regions of the team's instance
-shared uint selected_sum[kTeams], selected[kTeams];  // of the region that is being selected: its sum plus 1, its name
+shared uint selected_sum[kTeams], selected[kTeams];  // sum plus 1, and name, of the region that is being selected
 
 // Names every taxel's region, and sums the forces of a region at the taxel that names it.
 void sumRegions(Instance instance, uint lane, float peak) {
@@ -24,7 +24,7 @@ void sumRegions(Instance instance, uint lane, float peak) {
 // Writes the names of the REGIONS largest regions, by falling force, then by rising name. Returns the number of all regions.
 uint selectRegions(Instance instance, uint lane, uint team) {
   uint count = 0;
-  uint sum = 0xFFFFFFFFu, name = 0;  // of the region selected before; the sum plus 1
+  uint sum = 0xFFFFFFFFu, name = 0;  // sum plus 1, and name, of the region selected before
   for (uint r = 0; r < REGIONS; ++r) {
     uint best = 0, best_name = kNoRegion;
     if (sum > 0) {

@@ -1,5 +1,5 @@
 // Connected regions of taxels that report, by union-find over taxel_regions[] (shared/features.h): a region is named by its lowest taxel,
-// whatever order taxels are united in. Twin: src/reference/contact_features.cpp.
+// whatever order taxels are united in. Reference: src/reference/contact_features.cpp.
 
 // Root of taxel `t`: the taxel that names its region so far. Path halving. Names only fall, so that no invocation replaces the name that
 // another one has found by an older one.
@@ -42,15 +42,16 @@ void unite(uint first_word, uint a, uint b) {
 }
 
 // Patch of a taxel, and its row and column there.
-struct Place {
-  uvec4 grid;  // of the patch
+// Patch and cell of a taxel.
+struct GridCell {
+  uvec4 grid;  // grid of the patch
   uvec2 at;
 };
 
-Place placeOf(uint t) {
+GridCell gridCell(uint t) {
   uvec4 grid = planeRecord(NUM_PATCHES == 1 ? 0 : uint(taxels[t].readout.z)).grid;
   uint cols = NUM_PATCHES == 1 && NUM_ROWS > 0 ? NUM_COLS : grid.y;
-  return Place(grid, uvec2((t - grid.z) / cols, (t - grid.z) % cols));
+  return GridCell(grid, uvec2((t - grid.z) / cols, (t - grid.z) % cols));
 }
 
 bool reportsAt(uint first_word, uint t) { return reports(taxel_regions[first_word + t]); }
@@ -62,14 +63,14 @@ void uniteNeighbours(uint first_word, uint t) {
     if (reportsAt(first_word, other)) unite(first_word, t, other);
   }
   if (!kGrids) return;
-  // The taxel above is adjacent to the left one and to its own two neighbours in the row, so those that report form at most two regions:
+  // The taxel above is adjacent to the left one and to its own two neighbours in the row, so the reporting ones form at most two regions:
   // `before` and `after` are one taxel of each.
-  Place place = placeOf(t);
-  uint before = t, after = t, above = t - place.grid.y;
-  bool has_left = place.at.y > 0, has_row = place.at.x > 0;
+  GridCell cell = gridCell(t);
+  uint before = t, after = t, above = t - cell.grid.y;
+  bool has_left = cell.at.y > 0, has_row = cell.at.x > 0;
   if (has_row && has_left && reportsAt(first_word, above - 1)) before = above - 1;
   if (has_left && reportsAt(first_word, t - 1)) before = t - 1;
-  if (has_row && place.at.y + 1 < place.grid.y && reportsAt(first_word, above + 1)) after = above + 1;
+  if (has_row && cell.at.y + 1 < cell.grid.y && reportsAt(first_word, above + 1)) after = above + 1;
   if (has_row && reportsAt(first_word, above)) {
     before = above;
     after = t;

@@ -1,32 +1,32 @@
 // Direction of an edge as the ridge of a Gaussian, exp of a quadratic in u and v, fitted to the forces of a part by iteratively reweighted
 // least squares: a regression with a log link whose deviations grow with the force, as gains that differ between taxels make them
-// (McCullagh and Nelder, Generalized Linear Models, 1989, chapter 8). Twin: src/reference/ridge_edge.cpp.
+// (McCullagh and Nelder, Generalized Linear Models, 1989, chapter 8). Reference: src/reference/ridge_edge.cpp.
 //
 //   log(force / peak) = b0 + b1 u + b2 v + b3 u^2 + b4 u v + b5 v^2,    weight 1 / (1 + (noise / (scatter force))^2)
 //
 // u and v run along the principal axes of the forces, in units of their standard deviations. The fit starts from the Gaussian with these
 // moments, so that two rounds suffice; from a regression of the logarithms of the forces, which silent taxels do not have, it took four.
-// The place of a taxel is the mean place of what it receives (TaxelRecord::reception), which near a border is not its middle. A silent
-// taxel counts where the fit expects more than its trigger.
+// The position of a taxel is the mean position of the force that it receives (TaxelRecord::reception), which near a border is not its
+// middle. A silent taxel counts where the fit expects more than its trigger.
 
 const uint kRidgeIterations = 2u;
 const uint kRidgeUnknowns = 6u, kRidgeMoments = 15u;  // moments of u and v up to the fourth
-const float kGainScatter = 0.2;                       // of the weights: relative standard deviation of a force
-const float kProfileError = 0.03;                     // of the peak force: by how much a contact differs from a Gaussian
+const float kGainScatter = 0.2;                       // relative standard deviation of a force, for the weights
+const float kProfileError = 0.03;                     // share of the peak force by which a contact differs from a Gaussian
 const float kRidgePrior = 0.1;                        // weight, in taxels, of the Gaussian with the second moments of the forces
 const float kLeastWeight = 1e-6;                      // taxels; a sensor may be calibrated to have no taxel that counts
 const float kLeastWidth = 0.5;                        // pitches, of the unit of u and v
-const float kLeastLog = -20.0, kMostLog = 1.0;        // of a fitted force over the peak
-const float kLeastAnisotropy = 1e-6;                  // of the curvature across the ridge
+const float kLeastLog = -20.0, kMostLog = 1.0;        // logarithm of a fitted force over the peak
+const float kLeastAnisotropy = 1e-6;                  // share of the curvature across the ridge
 
 struct Ridge {
-  vec3 middle;    // of u and v, in C, m
+  vec3 middle;    // origin of u and v, in C, m
   vec2 doubled;   // cosine and sine of twice the angle of u
   vec2 along;     // direction of u
-  vec2 unit;      // of u and v, m
+  vec2 unit;      // unit of u and v, m
   vec2 per_unit;  // 1 / unit
   float peak;     // N
-  float noise;    // of a taxel, N
+  float noise;    // noise of a taxel, N
   float b[kRidgeUnknowns];
 };
 
@@ -42,7 +42,7 @@ void addToRidge(Part part, uint t, float measured, bool is_in_range, bool is_in,
   float trigger = reception.z;
   bool is_silent = !reportsForce(measured, trigger);
   bool counts = is_in_range && reception.w > 0.0 && (is_silent || is_in);
-  vec2 p = (receptionPlace(part, t, reception) - ridge.middle).xy;
+  vec2 p = (receptionPosition(part, t, reception) - ridge.middle).xy;
   float u = dot(ridge.along, p) * ridge.per_unit.x, v = dot(vec2(-ridge.along.y, ridge.along.x), p) * ridge.per_unit.y;
   float uu = u * u, uv = u * v, vv = v * v;
   // By degree; written out, because drivers do not unroll loops with such bounds.

@@ -1,4 +1,4 @@
-// The fit of a ridge to a part (features/ridge.glsl), and its angle. Twin: src/reference/ridge_edge.cpp.
+// The fit of a ridge to a part (features/ridge.glsl), and its angle. Reference: src/reference/ridge_edge.cpp.
 
 // Solves the normal equations, with the prior, by the Schur complement of the linear part: matrices of three rows, because drivers do not
 // unroll loops over six.

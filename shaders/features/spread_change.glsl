@@ -1,4 +1,4 @@
-// Derivative of a taxel's force after the point spread function by the sensor's twist, from those of the contact forces. Twin:
+// Derivative of a taxel's force after the point spread function by the sensor's twist, from those of the contact forces. Reference:
 // src/reference/tactile_jacobian.cpp.
 //
 // Mutable global, because an array passed as an argument would be copied per taxel: small_kernel, set once by loadKernel().

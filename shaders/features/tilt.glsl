@@ -1,5 +1,5 @@
 // Tilt of a flat face against the plane of its taxels, from a least-squares plane p + g . x through the forces of the core taxels. The
-// slope is g over the skin's stiffness, d pressure / d depth = STIFFNESS pressure^(1 - 1 / EXPONENT). Twin:
+// slope is g over the skin's stiffness, d pressure / d depth = STIFFNESS pressure^(1 - 1 / EXPONENT). Reference:
 // src/reference/contact_features.cpp.
 
 // Core taxels in one row or column have no second moment across it, any others at least 3/4 of a pitch squared. The determinant is 0 but

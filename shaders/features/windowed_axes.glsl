@@ -1,8 +1,8 @@
 // Direction of an edge from the second moments of the forces under a Gaussian window, whose middle is moved to their centre a few times.
-// Twin: src/reference/contact_features.cpp.
+// Reference: src/reference/contact_features.cpp.
 
 const uint kWindowIterations = 4u;
-const float kMinWindowShare = 1e-3;  // of the force; two contacts far apart have no force between them
+const float kMinWindowShare = 1e-3;  // share of the force; two contacts far apart have no force between them
 
 struct ForceWindow {
   vec3 middle;    // in C, m

@@ -7,20 +7,20 @@
 #define BLOCK_Objects BLOCK(Objects, ObjectRecord, objects[])
 #define BLOCK_Groups BLOCK(Groups, uvec4, groups[])        // boxes of groups of clusters
 #define BLOCK_Clusters BLOCK(Clusters, uvec4, clusters[])  // boxes of clusters of quads
-#define BLOCK_Quads BLOCK(Quads, uint, quads[])            // of triangles, kQuadWords each
-#define BLOCK_Faces BLOCK(Faces, vec4, faces[])            // of polyhedra: normal and offset (m), in O
+#define BLOCK_Quads BLOCK(Quads, uint, quads[])            // quads of triangles, kQuadWords each
+#define BLOCK_Faces BLOCK(Faces, vec4, faces[])            // faces of polyhedra: normal and offset (m), in O
 #define BLOCK_SensorBlock BLOCK(SensorBlock, SensorRecord, sensor)
 #define BLOCK_Patches BLOCK(Patches, PatchRecord, patches[])
 #define BLOCK_Tiles BLOCK(Tiles, TileRecord, tiles[])
 #define BLOCK_Taxels BLOCK(Taxels, TaxelRecord, taxels[])
 #define BLOCK_SpreadRows BLOCK(SpreadRows, vec4, spread_rows[])
 #define BLOCK_SpreadScale BLOCK(SpreadScale, float, spread_scale[])  // (t)
-#define BLOCK_MaskScale BLOCK(MaskScale, float, mask_scale[])  // (t): what a source gives to deformation_mask per newton, on one grid patch
-#define BLOCK_Mask BLOCK(Mask, vec2, mask[])  // of deformation_mask (MASK_SOURCES / 2 x t x 2): source taxel (as bits), weight
-#define BLOCK_Influence BLOCK(Influence, float, influence[])  // of an elastic layer (node rows x 2 rows of strips)
+#define BLOCK_MaskScale BLOCK(MaskScale, float, mask_scale[])  // (t): force that a source gives to deformation_mask per newton, on one grid patch
+#define BLOCK_Mask BLOCK(Mask, vec2, mask[])  // (MASK_SOURCES / 2 x t x 2), deformation_mask: source taxel (as bits), weight
+#define BLOCK_Influence BLOCK(Influence, float, influence[])  // (node rows x 2 rows of strips), elastic layer
 #define BLOCK_Planes BLOCK(Planes, PlaneRecord, planes[])
 #define BLOCK_Neighbours BLOCK(Neighbours, uint, neighbours[])          // (NUM_NEIGHBOURS x t), of lower number
-#define BLOCK_FeatureSource BLOCK(FeatureSource, uint, feature_source)  // of contact features: 0 the image, 1 the clean forces
+#define BLOCK_FeatureSource BLOCK(FeatureSource, uint, feature_source)  // source of contact features: 0 the image, 1 the clean forces
 
 // ---- a batch: inputs ----
 #define BLOCK_Poses BLOCK(Poses, PoseRecord, poses[])          // (n x poses of the step), up to (n x num_slots)
@@ -43,24 +43,24 @@
 #define BLOCK_CandidateQuads BLOCK(CandidateQuads, uint, candidate_quads[])  // (n x kMaxCandidates)
 #define BLOCK_Work BLOCK(Work, uvec4, work[])                                // (kNumWorkRows)
 #define BLOCK_WorkInstances BLOCK(WorkInstances, uint, work_instances[])     // ((kNumLists + num_tiles) x n)
-#define BLOCK_State BLOCK(State, uvec4, state[])                             // of every tile and its samples, skin/sample_states.glsl
-#define BLOCK_FrictionState BLOCK(FrictionState, uvec2, friction_state[])    // of an elastic layer: kFrictionHeader, then one of every node
-#define BLOCK_LawState BLOCK(LawState, vec2, law_state[])                    // (n x t), of laws with taxel passes
+#define BLOCK_State BLOCK(State, uvec4, state[])                             // state of tiles and their samples, skin/sample_states.glsl
+#define BLOCK_FrictionState BLOCK(FrictionState, uvec2, friction_state[])    // elastic layer: kFrictionHeader, then one entry per node
+#define BLOCK_LawState BLOCK(LawState, vec2, law_state[])                    // (n x t), laws with taxel passes
 #define BLOCK_ContactNormal BLOCK(ContactNormal, float, contact_normal[])    // (n x t), N
-#define BLOCK_MaskedNormal BLOCK(MaskedNormal, float, masked_normal[])       // (n x t), N, of the law deformation_mask
+#define BLOCK_MaskedNormal BLOCK(MaskedNormal, float, masked_normal[])       // (n x t), N, law deformation_mask
 #define BLOCK_ContactShear BLOCK(ContactShear, float, contact_shear[])       // (n x t x 2), N
 #define BLOCK_ContactDepth BLOCK(ContactDepth, float, contact_depth[])       // (n x t), m
 #define BLOCK_TileResults BLOCK(TileResults, TileResult, tile_results[])     // (n x num_tiles)
-#define BLOCK_Heights BLOCK(Heights, uint, heights[])         // of an elastic layer (n x num_nodes): m as bits, depth/slots.glsl
-#define BLOCK_NodeCells BLOCK(NodeCells, uint, node_cells[])  // of its cells (n x num_nodes x kNodeCellWords), shared/elastic_layer.h
+#define BLOCK_Heights BLOCK(Heights, uint, heights[])         // (n x num_nodes), elastic layer: m as bits, depth/slots.glsl
+#define BLOCK_NodeCells BLOCK(NodeCells, uint, node_cells[])  // (n x num_nodes x kNodeCellWords), shared/elastic_layer.h
 #define BLOCK_Windows BLOCK(Windows, uvec4, windows[])        // (n x tiles of heights): nodes under objects, as TileResult::window
 #define BLOCK_Layer BLOCK(Layer, uvec2, layer[])              // arrays over strips of nodes, kLayer...
 #define BLOCK_TaxelStates BLOCK(TaxelStates, float, taxel_states[])     // (n x num_states x t), readout/lag.glsl
-#define BLOCK_ImageWindows BLOCK(ImageWindows, uvec4, image_windows[])  // of the step before: first row and column, their numbers
+#define BLOCK_ImageWindows BLOCK(ImageWindows, uvec4, image_windows[])  // window of the step before: first row and column, their numbers
 #define BLOCK_AxisPlays BLOCK(AxisPlays, float, axis_plays[])           // (n x 3 x t), N, three_axis.comp
 #define BLOCK_Forces BLOCK(Forces, float, forces[])  // (n x t, features/taxel_words.glsl), N, that contact features are computed from
-#define BLOCK_TaxelRegions BLOCK(TaxelRegions, uint, taxel_regions[])        // likewise
-#define BLOCK_RegionSums BLOCK(RegionSums, uint, region_sums[])              // likewise
+#define BLOCK_TaxelRegions BLOCK(TaxelRegions, uint, taxel_regions[])        // as Forces
+#define BLOCK_RegionSums BLOCK(RegionSums, uint, region_sums[])              // as Forces
 #define BLOCK_Regions BLOCK(Regions, uint, regions[])                        // (n x max_regions)
 #define BLOCK_ContactCells BLOCK(ContactCells, CellRecord, contact_cells[])  // (n x t)
 #define BLOCK_TileChanges BLOCK(TileChanges, float, tile_changes[])          // (n x num_tiles x LANES x kTileChanges)
@@ -81,7 +81,7 @@
 #define BLOCK_TwistGradient BLOCK(TwistGradient, float, twist_gradient[])         // (n x 6), per m and per rad
 #define BLOCK_GainGradient BLOCK(GainGradient, float, gain_gradient[])            // (n x t)
 #define BLOCK_ObjectPoses BLOCK(ObjectPoses, double, object_poses[])              // (n x 7), X_SO: position, m, rotation w, x, y, z
-#define BLOCK_SensorPoses BLOCK(SensorPoses, double, sensor_poses[])              // (n x 7), X_WS likewise
+#define BLOCK_SensorPoses BLOCK(SensorPoses, double, sensor_poses[])              // (n x 7), X_WS in the same form
 #define BLOCK_Actions BLOCK(Actions, double, actions[])                           // (n x 6), v, m/s, w, rad/s
 #define BLOCK_RobotStatuses BLOCK(RobotStatuses, uint, robot_status[])            // (n), flags of RobotStatus
 #define BLOCK_JointPositions BLOCK(JointPositions, double, joint_positions[])     // (n x num_joints), rad or m
@@ -90,7 +90,7 @@
 
 // ---- host only: copied from, or bound in place of another block ----
 #define BLOCK_EmptyWork \
-  BLOCK(EmptyWork, uvec4, empty_work[])  // what Work starts from in every frame, and the row kSecondDispatch of a second dispatch
+  BLOCK(EmptyWork, uvec4, empty_work[])  // initial value of Work in every frame, and the row kSecondDispatch of a second dispatch
 #define BLOCK_PastState BLOCK(PastState, uvec4, past_state[])                     // State, to be fetched as texels
 #define BLOCK_PastTaxelStates BLOCK(PastTaxelStates, float, past_taxel_states[])  // TaxelStates, to be fetched as texels
 #define BLOCK_LayerStrips BLOCK(LayerStrips, uvec4, layer_strips[])               // Layer, to be loaded four words at a time

@@ -1,6 +1,6 @@
 // Features of the sensor, its patches and regions, contact_features.comp.
 
-VALUE(kMostSums, 27)  // of any scan
+VALUE(kMostSums, 27)  // sums of any scan
 
 CONSTANT(11, uint, TEAM)        // invocations that share a part
 CONSTANT(12, uint, REGIONS)     // rows of regions

@@ -3,7 +3,7 @@
 CONSTANT(11, uint, TEAM)            // invocations that share an instance
 CONSTANT(12, uint, REGIONS)         // rows of regions
 CONSTANT(13, uint, NUM_NEIGHBOURS)  // in the list of each taxel; 0: patches are grids
-CONSTANT(14, uint, FORCE_STEPS)     // of the largest force of an image: the sum over all taxels fits into 31 bits
+CONSTANT(14, uint, FORCE_STEPS)     // steps of the largest force of an image: the sum over all taxels fits into 31 bits
 CONSTANT(15, uint, FIRST_COUNT)     // features per instance before the number of regions
 CONSTANT(16, uint, NUM_PATCHES)     // grids
 CONSTANT(17, int, CURVE_DEGREE)     // this and the rest as in image.h

@@ -2,7 +2,7 @@
 
 CONSTANT(11, bool, SCALED)           // as in contact.h
 CONSTANT(12, float, LAW_0)           // saturation pressure, Pa
-CONSTANT(13, uint, MASK_SOURCES)     // of a taxel; even; where the sensor is not one grid patch
+CONSTANT(13, uint, MASK_SOURCES)     // sources of a taxel, even, where the sensor is not one grid patch
 CONSTANT(14, uint, TEAM)             // invocations that share an instance
 CONSTANT(15, uint, PARTIALS)         // LANES for every team of more than one invocation
 CONSTANT(16, bool, OUTPUT_RESPONSE)  // writes law_state, for the tactile Jacobian

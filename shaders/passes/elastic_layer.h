@@ -6,7 +6,7 @@ CONSTANT(13, uint, MARGIN_ROWS)  // nodes of the margin on either side
 CONSTANT(14, uint, MARGIN_COLS)
 CONSTANT(15, float, THICKNESS)   // m
 CONSTANT(16, float, REACH)       // gaps that matter, in depths of the deepest node
-CONSTANT(17, float, NODE_FORCE)  // of a node under a pressure that moves its own cell by a thickness, N
+CONSTANT(17, float, NODE_FORCE)  // force of a node under a pressure that moves its own cell by a thickness, N
 CONSTANT(18, uint, ITERATIONS)
 CONSTANT(19, float, TOLERANCE)             // the solver ends when contact_residual is no larger
 CONSTANT(20, uint, NUM_HEIGHT_TILES)       // tiles of the heights pass
@@ -23,8 +23,8 @@ CONSTANT(30, bool, AREA)             // nodes are partly covered cells, elastic_
 CONSTANT(31, float, CELL_DISC)       // compliances over a whole cell's
 CONSTANT(32, float, CELL_FREE)
 CONSTANT(33, float, CELL_BASE)
-CONSTANT(34, float, POINT_COMPLIANCE)  // of a point, times distance, m
-CONSTANT(35, float, IMAGE_DEPTH)       // of the base, m; 0 without one
+CONSTANT(34, float, POINT_COMPLIANCE)  // compliance of a point, times distance, m
+CONSTANT(35, float, IMAGE_DEPTH)       // depth of the image of a load under the base, m; 0 without a base
 
 TEXELS(0, Instances)
 UNIFORM(1, Step)

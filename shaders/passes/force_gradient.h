@@ -1,10 +1,10 @@
 // Gradient of a loss by the sensor's twist and the gains of taxels, force_gradient.comp.
 
-VALUE(kMostSums, 6)  // of any scan
+VALUE(kMostSums, 6)  // sums of any scan
 
 CONSTANT(11, uint, TEAM)         // invocations that share an instance
 CONSTANT(12, uint, PARTIALS)     // kMostSums x LANES for every team of more than one invocation
-CONSTANT(13, uint, NUM_ENTRIES)  // of a taxel's list of sources, where the sensor is not one grid patch
+CONSTANT(13, uint, NUM_ENTRIES)  // entries of a taxel's list of sources, where the sensor is not one grid patch
 CONSTANT(14, bool, SYMMETRIC)    // a taxel gives its sources what it takes from them
 
 UNIFORM(0, Step)

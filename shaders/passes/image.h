@@ -6,7 +6,7 @@ VALUE(kSumsPerImage, 9)
 VALUE(kNumSums, 19)
 
 CONSTANT(11, bool, SHEAR)          // spreads shear as well
-CONSTANT(12, uint, NUM_ENTRIES)    // of a taxel's list of sources, where the sensor is not one grid patch
+CONSTANT(12, uint, NUM_ENTRIES)    // entries of a taxel's list of sources, where the sensor is not one grid patch
 CONSTANT(13, bool, OUTPUT_NORMAL)  // writes spread_normal, outside contact too
 CONSTANT(14, bool, TAXELS_ALIKE)   // gain 1 and the sensor's trigger everywhere
 CONSTANT(15, int, CURVE_DEGREE)
@@ -33,7 +33,7 @@ CONSTANT(35, bool, KEEPS_WINDOW)             // every step has a frame, so outsi
 CONSTANT(36, bool, RANDOM_SKIN)              // every instance has a trigger, hysteresis, delay and width of the spread of its own
 CONSTANT(37, bool, SCALED)                   // contact_normal holds forces divided by the part of the kernel that stays on the sensor
 CONSTANT(38, bool, READS_AT_REST)            // a taxel has a trigger below 0
-CONSTANT(39, uint, MARGIN)                   // so many taxels around those that objects reach may have a force, too
+CONSTANT(39, uint, MARGIN)                   // halo in taxels around the contact window
 
 TEXELS(0, Instances)
 UNIFORM(1, Step)

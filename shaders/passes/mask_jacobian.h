@@ -1,7 +1,7 @@
 // Tactile Jacobian of the law deformation_mask, through its mask, mask_jacobian.comp.
 
 CONSTANT(11, float, LAW_0)        // saturation pressure, Pa
-CONSTANT(12, uint, MASK_SOURCES)  // of a taxel; even
+CONSTANT(12, uint, MASK_SOURCES)  // sources of a taxel, even
 
 UNIFORM(0, Step)
 TEXELS(1, Mask)

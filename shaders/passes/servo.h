@@ -14,7 +14,7 @@ CONSTANT(21, uint, NUM_JOINTS)
 CONSTANT(22, uint, NUM_CHAIN_JOINTS)
 CONSTANT(23, uint, TWIST_ROWS)  // selected components of a twist
 CONSTANT(24, uint, GRAM_SIZE)   // the smaller one of TWIST_ROWS and NUM_JOINTS
-CONSTANT(25, uint, DELAY)       // of the drives, frames
+CONSTANT(25, uint, DELAY)       // delay of the drives, frames
 
 TEXELS(0, Instances)
 UNIFORM(1, Step)
@@ -36,12 +36,12 @@ BUFFER(16, writeonly, JointVelocities)
 
 VALUE(kStateSensor, 0)       // X_WS: position, rotation
 VALUE(kStateIntegral, 7)     // by feature
-VALUE(kStateError, 14)       // of the control tick before, by feature; NaN if undefined
+VALUE(kStateError, 14)       // errors of the control tick before, by feature; NaN if undefined
 VALUE(kStateTwist, 21)       // commanded
 VALUE(kStateLoadOffset, 27)  // m
 VALUE(kStateStartForce, 28)  // N
 VALUE(kStateStatus, 29)      // RobotStatus of the last motion
-VALUE(kNumLoopState, 30)     // of a free-flying sensor; of a manipulator, kNumJointState + DELAY values of each joint follow
+VALUE(kNumLoopState, 30)     // values of a free-flying sensor; a manipulator has kNumJointState + DELAY more per joint
 VALUE(kJointPosition, 0)
 VALUE(kJointVelocity, 1)
 VALUE(kJointCommand, 2)

@@ -1,6 +1,6 @@
 // Tactile Jacobian of the taxels' forces after the point spread function, spread_jacobian.comp.
 
-CONSTANT(11, uint, NUM_ENTRIES)  // of a taxel's list of sources, where the sensor is not one grid patch
+CONSTANT(11, uint, NUM_ENTRIES)  // entries of a taxel's list of sources, where the sensor is not one grid patch
 
 UNIFORM(0, Step)
 TEXELS(1, Instances)

@@ -1,5 +1,5 @@
-// Imperfections of stage 5, counts: noise, bias and dead taxels, as functions of seed, episode and taxel (common/philox.glsl). What all
-// taxels share is drawn on the host. include/taxelsim/sensor.h, Readout. Twin: src/reference/imperfections.cpp.
+// Imperfections of stage 5, counts: noise, bias and dead taxels, as functions of seed, episode and taxel (common/philox.glsl). The host
+// draws the values that all taxels share. include/taxelsim/sensor.h, Readout. Reference: src/reference/imperfections.cpp.
 
 // Offset from the nominal output without the random walk: noise of this frame, bias. `noise_level`: standard deviation, counts.
 float offsetOf(uvec2 seed, uvec2 episode, uint frame, uint t, float noise_level) {

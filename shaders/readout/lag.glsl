@@ -1,4 +1,4 @@
-// Stage 4: how the readout changes a taxel's force (N) over time. include/taxelsim/sensor.h, Readout. Twin: src/reference/lag.cpp.
+// Stage 4: how the readout changes a taxel's force (N) over time. include/taxelsim/sensor.h, Readout. Reference: src/reference/lag.cpp.
 //
 //   spread force -> hysteresis -> creep -> low-pass -> delay ring -> force that a frame shows
 //
@@ -6,9 +6,9 @@
 // walk if they are on, then the ring of forces of the delay. In the first step since reset all count as 0: a sensor long unloaded.
 
 struct Lag {
-  vec4 hysteresis_strength, hysteresis_width;  // of each element; width in N
-  vec4 creep_fraction;                         // of each term
-  vec4 creep_share;                            // of each term: share of the way to its end in this step
+  vec4 hysteresis_strength, hysteresis_width;  // per element; width in N
+  vec4 creep_fraction;                         // per term
+  vec4 creep_share;                            // per term: share of the way to its end in this step
 };
 
 // A function: glslang 12 orders long constant expressions so that the module is invalid.
@@ -43,7 +43,8 @@ LagState statesOf(uint instance, uint t, uint step) {
 
 uint stateIndex(LagState states, uint number) { return states.first + number * NUM_TAXELS; }
 
-// What the step before has stored. An invocation fetches a state of a taxel before it stores that state, and no other invocation stores it.
+// Values that the step before has stored. An invocation fetches a state of a taxel before it stores that state, and no other invocation
+// stores it.
 float pastState(LagState states, uint number) { return floatOfFours(PastTaxelStates, stateIndex(states, number)); }
 
 float stateBefore(LagState states, uint number) { return states.step == 0 ? 0.0 : pastState(states, number); }

@@ -1,4 +1,4 @@
-// Stage 5: force after spread and lag (N) to counts, and back by the nominal curve; include/taxelsim/sensor.h, Readout. Twin:
+// Stage 5: force after spread and lag (N) to counts, and back by the nominal curve; include/taxelsim/sensor.h, Readout. Reference:
 // src/reference/readout.cpp.
 
 // Coefficient of x^power; that of a straight line is a specialization constant.

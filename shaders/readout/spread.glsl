@@ -1,5 +1,5 @@
 // Stage 3: the point spread function, paper eq. (1). Forces in N. contact_normal and contact_shear already hold what each source gives to
-// the spread: its force divided by the part of the kernel that stays on the sensor. Twin: src/reference/psf.cpp.
+// the spread: its force divided by the part of the kernel that stays on the sensor. Reference: src/reference/psf.cpp.
 
 struct Spread {
   float normal;

@@ -10,7 +10,7 @@ struct Instance {
   uint step;          // since reset
   float noise_level;  // standard deviation, counts
   ImageWindow window;
-  uvec2 origin;  // of the moments: the taxel in the middle of the window, so that they are no differences of large numbers
+  uvec2 origin;  // origin of the moments: the taxel in the middle of the window, so that they are no differences of large numbers
 };
 
 Instance loadInstance(uint number) {

@@ -21,7 +21,7 @@ dvec3 inSensorFrame(Rows rotation, dvec3 v) { return rotation.row0 * v.x + rotat
 
 // X_BS at the joint positions. Writes the transposed Jacobian.
 Pose updateKinematics(uint i) {
-  dvec3 directions[NUM_CHAIN_JOINTS], points[NUM_CHAIN_JOINTS];  // of the joints' axes, in B
+  dvec3 directions[NUM_CHAIN_JOINTS], points[NUM_CHAIN_JOINTS];  // directions and points of the joints' axes, in B
   Pose X = Pose(dvec3(0.0lf), dvec4(1.0lf, 0.0lf, 0.0lf, 0.0lf));
   [[dont_unroll]] for (uint k = 0; k < NUM_CHAIN_JOINTS; ++k) {
     Pose X_PJ = poseOf(robot.chain[k].X_PJ);

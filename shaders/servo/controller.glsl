@@ -2,7 +2,7 @@
 // In: servos, servo_loop; skins whose pressure is proportional to depth; nominal Jacobian.
 
 const double kPi = 3.14159265358979311600lf;
-const double kApproachFraction = 0.1lf;  // of the largest velocity
+const double kApproachFraction = 0.1lf;  // share of the largest velocity
 
 double undefinedValue() { return packDouble2x32(uvec2(0u, 0x7FF80000u)); }  // NaN
 
@@ -14,7 +14,7 @@ struct Contact {
   dvec2 edge;
 };
 
-// What a loop keeps between control ticks.
+// State of a loop between control ticks.
 struct Pid {
   double integral[kServoFeatures];
   double error[kServoFeatures];
@@ -32,7 +32,7 @@ double referenceOf(uint servo, uint feature, double otherwise) {
 
 double clipped(double value, double limit) { return value < -limit ? -limit : limit < value ? limit : value; }
 
-// Of the difference of two angles in [-pi/2, pi/2] up to rounding: to (-pi/2, pi/2]. A multiple of 0 has the sign of the angle.
+// Wraps the difference of two angles in [-pi/2, pi/2], up to rounding, to (-pi/2, pi/2]. A multiple of 0 has the sign of the angle.
 double wrapLineAngle(double angle) {
   double size = abs(angle);
   if (size < kPi / 2.0lf) return angle;

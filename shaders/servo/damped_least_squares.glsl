@@ -1,7 +1,7 @@
 // Inverse velocity kinematics by damped least squares: the operations of src/control/damped_least_squares.cpp in the same order, hence the
 // same bits. In: robot, loop_state. Arrays of a size that pipelines choose cannot be arguments.
 
-double velocities[NUM_JOINTS];  // of the joints, the result
+double velocities[NUM_JOINTS];  // velocities of the joints, the result
 uint columns[NUM_JOINTS];       // the joints that are free
 
 struct Gram {
@@ -59,7 +59,7 @@ void rotate(inout Gram gram, uint p, uint q) {
 
 double smallestEigenvalue(Gram gram) {
   const uint kMaxSweeps = 20;
-  const double kNegligible = 1e-17lf;  // of the trace
+  const double kNegligible = 1e-17lf;  // share of the trace
   double trace = 0.0lf;
   [[dont_unroll]] for (uint j = 0; j < GRAM_SIZE; ++j) trace += gram.a[j][j];
   bool rotates = true;

@@ -106,7 +106,7 @@ struct TileResult {
                  // Else: 1 if a patch that looks along z of S met a surface too deep to be seen; 0, 0, 0
 };
 
-// What the tactile Jacobian needs of one taxel: skin/cell_fluxes.glsl. f is the pressure, G its integral over depth; f' is df/d(depth).
+// Sums of one taxel for the tactile Jacobian: skin/cell_fluxes.glsl. f is the pressure, G its integral over depth; f' is df/d(depth).
 struct CellRecord {
   vec4 low_x, high_x, low_y, high_y;  // integrals along each side of the cell: of f (N/m), of G (N), of f times the coordinate along the
                                       // side (N). Last components: integrals of f' over the cell times 1, x, y (N/m, N, N); 1 if the
@@ -118,7 +118,7 @@ TAXELSIM_CONSTANT kTileChanges = 18u;  // 6 x 3
 
 // ---- candidates: mesh quads that the contact pass tests for an instance, kept from step to step (shaders/keep_candidates.comp) ----
 
-TAXELSIM_CONSTANT kMaxCandidates = 640u;        // of an instance; the size of its part of the buffer of quad numbers
+TAXELSIM_CONSTANT kMaxCandidates = 640u;        // per instance; the size of its part of the buffer of quad numbers
 TAXELSIM_CONSTANT kNoCandidates = 0xFFFFFFFFu;  // instead of the number of candidates
 TAXELSIM_CONSTANT kMinGroups = 2u;              // a mesh with fewer groups is culled in the contact pass
 

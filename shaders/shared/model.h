@@ -53,7 +53,7 @@ TAXELSIM_CONSTANT kFirstBits = 27u;
 // Loop iterations that work takes, as estimated: by the host, which gives a workgroup no more than the driver permits, and by the contact
 // pass, which counts those of the tiles so far (shaders/driver/loops.glsl).
 TAXELSIM_CONSTANT kIterationsPerSample = 3u;
-TAXELSIM_CONSTANT kIterationsPerSampleOfTorus = 48u;  // of at most 96
+TAXELSIM_CONSTANT kIterationsPerSampleOfTorus = 48u;  // the mean; a ray takes at most 96
 TAXELSIM_CONSTANT kIterationsPerTriangle = 2u;
 // With area sampling: triangles next to each other share cells; of a solid, most cells on an edge take scan lines.
 TAXELSIM_CONSTANT kIterationsPerTriangleOfCells = 4u;
@@ -77,8 +77,8 @@ struct TileRecord {
 // One taxel.
 struct TaxelRecord {
   vec4 chart;    // position in C, m; area, m^2
-  vec4 readout;  // gain; trigger, N; patch; z of the place in `reception`
-  // What the point spread brings to the taxel if every taxel has the same force: the mean place it comes from, in C, x and y, m; the
+  vec4 readout;  // gain; trigger, N; patch; z of the position in `reception`
+  // The force that the point spread brings to the taxel if every taxel has the same force: the mean position of its sources, in C, x and y, m; the
   // trigger again, so that a fit takes one fetch; its sum over that force, times the calibrated gain.
   vec4 reception;
 };
@@ -91,9 +91,9 @@ struct SensorRecord {
   vec4 curve1;                         // coefficient 5, 0, 0, 0
   vec4 curve_pieces[kMaxCurvePieces];  // start of each straight piece, N and counts; its slope, counts/N; inverse slope, N/counts
   vec4 X_SC_row0, X_SC_row1, X_SC_row2;
-  vec4 hysteresis_strength;  // of up to four elements
-  vec4 hysteresis_width;     // of up to four elements, N
-  vec4 creep_fraction;       // of up to four terms
+  vec4 hysteresis_strength;  // per element, up to four
+  vec4 hysteresis_width;     // per element, N
+  vec4 creep_fraction;       // per term, up to four
 };
 
 // A plane in which moments are computed: that of a patch (C is P), or xy of S (C is S), which is the last one.

@@ -36,7 +36,7 @@ TAXELSIM_CONSTANT kServoFlagWindow = 1u;  // the edge angle is the windowed one
 TAXELSIM_CONSTANT kServoFlagRidge = 2u;   // the edge angle is that of the ridge
 TAXELSIM_CONSTANT kServoFlagRegion = 4u;  // the features are those of the largest region
 
-// What all loops of a batch have in common. R: frame of the sensor's one patch, or S.
+// Constants that all loops of a batch share. R: frame of the sensor's one patch, or S.
 struct LoopRecord {
   dvec2 time;          // step of the simulation, control period, s
   dvec2 skin;          // stiffness, Pa/m; smallest pitch area of a taxel, m^2

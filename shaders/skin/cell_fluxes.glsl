@@ -1,5 +1,5 @@
-// Derivatives of a taxel's force and of a tile's wrench by the motion of the object, summed over samples for the tactile Jacobian. Twin:
-// src/reference/pressure_transport.cpp.
+// Derivatives of a taxel's force and of a tile's wrench by the motion of the object, summed over samples for the tactile Jacobian.
+// Reference: src/reference/pressure_transport.cpp.
 //
 // The object's surface lies at z = -d(x, y) of P. Its point p = (x, y, -d) moves with u = v + w x p, so that d_t = -u_z - u_x d_x - u_y
 // d_y, and the force of a cell is the integral of the pressure f(d) over it. With f' = df/dd and G = d f - (integral of f from 0 to d), so
@@ -35,7 +35,7 @@ Cell noCell() {
   return Cell(vec3(0), 0.0, vec3(0), vec3(0), vec3[4](vec3(0), vec3(0), vec3(0), vec3(0)), vec2[4](vec2(0), vec2(0), vec2(0), vec2(0)));
 }
 
-// The same over the samples of one x.
+// Sums over the samples of a taxel with the same x.
 struct CellRow {
   vec3 pressure, slope;  // f, f' times 1, y, y^2
   vec2 G;                // times 1, y
@@ -85,7 +85,7 @@ Stiffness stiffnessAt(Tile tile, float d, float width, float f) {
   return Stiffness(slope, lifted ? 0.0 : share * elastic * pressed * (EXPONENT / (EXPONENT + 1.0)));
 }
 
-// With area sampling, of a cell of mean depth d, a share of which is covered; the share is negative at the skin's full thickness. Without
+// With area sampling, for a cell of mean depth d. `covered`: its covered share, negative at the skin's full thickness. Without
 // VARIATION pressure is proportional to depth.
 Stiffness stiffnessOf(CellPoints points, float d, float covered, float f) {
   if (d <= 0.0 || f <= 0.0) return Stiffness(0.0, 0.0);
@@ -176,7 +176,7 @@ void addThroughRim(inout vec3 change[6], uint axis, float flux, float at, vec3 f
 }
 
 // Adds a taxel to the derivatives of force and first moments of its tile by the object's twist, without the factor of a sample's area.
-// `first_sample`: of the taxel, in samples of the patch.
+// `first_sample`: index of its first sample in the patch.
 void addToChange(Tile tile, inout vec3 change[6], Cell cell, bvec4 rim, vec2 first_sample) {
   change[0].y += cell.pressure.x;
   change[1].z += cell.pressure.x;
@@ -202,7 +202,7 @@ void writeCell(Tile tile, uint taxel, Cell cell) {
   contact_cells[taxel].high_y = vec4(sideOf(cell, 3) * tile.spacing.x, 1);
 }
 
-// Outputs of a taxel that nothing is near; of such a tile.
+// Outputs of a taxel and of a tile without a near object.
 void clearCell(uint taxel) { contact_cells[taxel].high_y.w = 0.0; }
 void clearChange(uint tile_index) { tile_changes[tile_index * LANES * kTileChanges] = kNoHeight; }
 

@@ -1,5 +1,5 @@
 // Shear with memory: every sample of the skin has a tangential spring that the object in contact stretches, capped by Coulomb's cone;
-// include/taxelsim/sensor.h, Friction. Used by the contact pass and the elastic layer. Twin: src/reference/friction.cpp.
+// include/taxelsim/sensor.h, Friction. Used by the contact pass and the elastic layer. Reference: src/reference/friction.cpp.
 //
 // At a sample p = (x, y, -d) of P an object that moves by u in this step drags the end of the spring along by the tangential part of u, so
 // that the traction q (Pa), which acts on the skin along the object's motion, becomes
@@ -10,9 +10,9 @@
 // The includer defines FRICTION (shear is computed), MANY_SLOTS (several objects may be in contact), FLAT (the patch's frame is the
 // sensor's) and the rule
 //   vec2 tractionAfter(inout vec2 sample_state, vec2 u, float share, float covered, float pressure, float per_dt)
-// for the shear traction (Pa, mean over the cell) under `pressure` (Pa, likewise) after the object, which covers a part `covered` of the
-// cell, has moved by `u` (m, along x and y of P) while a `share` of the step in contact. `sample_state` is kept between steps. `per_dt`: 1
-// / the step's time, 1/s. Shared memory: 64 bytes per slot where an instance may touch several objects, and 8 LANES bytes.
+// for the shear traction (Pa, mean over the cell) under `pressure` (in the same unit) after the object, which covers a part `covered` of
+// the cell, has moved by `u` (m, along x and y of P) while a `share` of the step in contact. `sample_state` is kept between steps.
+// `per_dt`: 1 / the step's time, 1/s. Shared memory: 64 bytes per slot where an instance may touch several objects, and 8 LANES bytes.
 #ifndef SKIN_FRICTION_GLSL
 #define SKIN_FRICTION_GLSL
 

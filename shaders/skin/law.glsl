@@ -36,27 +36,27 @@ float lawSlope(float d) {
 // The mean pressure is exact for exponent 2, and for exponent 3 where depths are distributed evenly, as under a paraboloid; for 1.5 it is
 // 0.3 % low on its edge.
 
-const uint kCellPoints = VARIATION ? 2u : 1u;  // of a sample
+const uint kCellPoints = VARIATION ? 2u : 1u;  // points of a sample
 
 struct CellPoints {
-  float weight[2];      // of the covered part; their sum is 1
+  float weight[2];      // shares of the covered part; their sum is 1
   float depth[2];       // m
   vec2 from_middle[2];  // m, in P
 };
 
-// Part of what is covered that the deeper point has, at most; less where the shallower one would be above the skin. On evenly distributed
-// depths from 0 to D, of which those up to t D slip, friction is the mean t - t^2/2 of the smaller of two tractions. With 0.6 the largest
+// Largest share of the covered part for the deeper point; less where the shallower one would be above the skin. On evenly distributed
+// depths from 0 to D, where depths up to t D slip, friction is the mean t - t^2/2 of the smaller of two tractions. With 0.6 the largest
 // errors of two points, at t = 0.15, 0.4 and 0.74, are 7 to 8 %; with 0.5 friction is 11.8 % too large at t = 0.21, while an edge begins to
 // slip. Other exponents need equal parts for their mean pressure.
 float mostDeep() { return EXPONENT == 1.0 ? 0.6 : 0.5; }
 
-// `mean`: depth of the covered part, m. `share`: of the cell, covered. `variation`: variationOf(), depth/area/cell_depths.glsl.
+// `mean`: depth of the covered part, m. `share`: covered share of the cell. `variation`: variationOf(), depth/area/cell_depths.glsl.
 CellPoints cellPoints(Tile tile, float mean, float share, uint variation) {
   vec2 deeper = unpackHalf2x16(variation);
   float ratio = length(deeper);
   deeper = ratio > 0.0 ? deeper / ratio : vec2(1, 0);
   float deep = min(mostDeep(), 1.0 / (1.0 + ratio * ratio));
-  // From the mean to each point, in standard deviations, of the depth and of places.
+  // From the mean to each point, in standard deviations of the depth and of the position.
   float above = sqrt(deep / (1.0 - deep)), below = 1.0 / above;
   CellPoints points;
   points.weight = float[2](1.0 - deep, deep);

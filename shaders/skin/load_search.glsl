@@ -1,5 +1,5 @@
 // Load search over one tile: the depth of the lowest sample at which the tile carries a load, by Newton's method from full depth down.
-// Twin: src/reference/load.cpp.
+// Reference: src/reference/load.cpp.
 // Shared memory: 4 bytes.
 #ifndef SKIN_LOAD_SEARCH_GLSL
 #define SKIN_LOAD_SEARCH_GLSL
@@ -13,9 +13,9 @@
 shared uint lowest_bits;  // height of the lowest sample; kEmpty at the start of a tile
 
 struct Search {
-  float depth;   // of the lowest sample, m
+  float depth;   // depth of the lowest sample, m
   float lowest;  // height of the lowest sample before the move, over Tile::z_base, m
-  float offset;  // by which the objects move along z, m
+  float offset;  // offset of the objects along z, m
   float status;  // kLoadCarried or kLoadOutOfReach
 };
 
@@ -63,7 +63,7 @@ vec2 forceAtDepth(Tile tile, TileSkin tile_skin, float depth, float lowest, uvec
 // `load`: N. The samples are `count` from `first` on.
 Search searchLoad(Tile tile, TileSkin tile_skin, float load, uvec2 first, uvec2 count) {
   const int kMaxIterations = 32;
-  const float kTolerance = 2e-6;  // of the load; some ten roundings of a float
+  const float kTolerance = 2e-6;  // share of the load; some ten roundings of a float
   Search found = Search(0.0, 0.0, 0.0, kLoadOutOfReach);
   uint lowest = lowestSample(tile, first, count);
   if (lowest == kEmpty) return found;

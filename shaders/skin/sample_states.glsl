@@ -1,4 +1,4 @@
-// What samples keep between steps, in NUM_STATES words each: strain and overstresses of a skin that relaxes (below), the
+// State of samples between steps, in NUM_STATES words each: strain and overstresses of a skin that relaxes (below), the
 // shear of each of their points (skin/friction.glsl), and the depth for a law with damping.
 //
 // Four samples of a row keep a word each in one element of four words: these are loaded at once (driver/texels.glsl). State of a tile: a
@@ -34,13 +34,13 @@ uint statesOf(Tile tile, uint tile_state, uvec2 taxel, uint row, uint four) {
 // depths.
 const bool kMarksStates = kStoresTouched && EARLY_EXIT && RELAXATION == 0 && NUM_ROWS > 0 && NUM_TILES == 1;
 const uint kWithoutStates = 0x7FFFFFFFu;
-uint placeOfMark(Tile tile, uint tile_state, uvec2 taxel) {
+uint markIndex(Tile tile, uint tile_state, uvec2 taxel) {
   return statesOf(tile, tile_state, taxel, 0, 0) + (FRICTION ? kShearStates : kDepthState);
 }
-void markWithoutStates(Tile tile, uint tile_state, uvec2 taxel) { state[placeOfMark(tile, tile_state, taxel)].x = kWithoutStates; }
+void markWithoutStates(Tile tile, uint tile_state, uvec2 taxel) { state[markIndex(tile, tile_state, taxel)].x = kWithoutStates; }
 bool hasStates(Tile tile, uint tile_state, uvec2 taxel) {
   if (!kMarksStates) return true;
-  return fourOf(PastState, placeOfMark(tile, tile_state, taxel)).x != kWithoutStates;
+  return fourOf(PastState, markIndex(tile, tile_state, taxel)).x != kWithoutStates;
 }
 
 const uint kTouchedTaxels = 0u, kReachedTaxels = 1u;  // elements of the header
@@ -81,7 +81,7 @@ void writeShears(uint first, ShearStates states) {
 // ---- relaxation ----
 //
 // Relaxation of the skin: a standard linear solid with RELAXATION terms under every sample; include/taxelsim/sensor.h, RelaxationTerm.
-// Stresses and strains in Pa. Twin: src/reference/relaxation.cpp, which integrates over the whole past.
+// Stresses and strains in Pa. Reference: src/reference/relaxation.cpp, which integrates over the whole past.
 //
 // Strain is measured by the pressure that the law gives for an instantaneous press, P(d). A sample keeps its strain w and an overstress h
 // per term. A step of dt in which the strain goes straight from w to w' leaves h' = e h + c (w' - w) and
@@ -175,8 +175,7 @@ float relax(TileSkin tile_skin, inout SkinStates states, uint i, bool reached, f
   return relaxedPressure(tile_skin, skin, elastic);
 }
 
-// Taxel `k` of those in the rectangle `outer` that are not among the `count` taxels from `first` on, which lie in it: whole rows, then the
-// rest of the others.
+// Taxel `k` of the rectangle `outer` without the `count` taxels from `first` on, which lie in it: whole rows first, then the rest.
 uvec2 taxelOutside(uvec4 outer, uvec2 first, uvec2 count, uint k) {
   uvec2 size = outer.yw - outer.xz, before = first - outer.xz;
   uint in_rows = (size.x - count.x) * size.y;
@@ -195,7 +194,7 @@ void updateRestOfSkin(Tile tile, TileSkin tile_skin, uvec2 first, uvec2 count) {
   if (count.x > 0) reached = uvec4(min(reached.xz, first), max(reached.yw, first + count)).xzyw;
   uvec2 size = reached.yw - reached.xz;
   uint num_taxels = size.x * size.y - count.x * count.y;
-  const uint kGroups = SAMPLES * kFoursOfRow;  // of a taxel
+  const uint kGroups = SAMPLES * kFoursOfRow;  // groups of four samples of a taxel
   uint k = gl_LocalInvocationIndex;
   for (; k < num_taxels * kGroups; k += WORKGROUP) {
     uint group = k % kGroups;

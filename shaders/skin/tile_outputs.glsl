@@ -43,10 +43,10 @@ struct TaxelSums {
   vec2 shear;         // Pa
   vec3 shear_moment;  // Pa m
   uint deep;          // samples at the skin's full thickness
-  float slope;        // of the force by the depth, Pa/m; kSumsSlopes
+  float slope;        // slope of the force by the depth, Pa/m; kSumsSlopes
 };
 
-// For Newton's method over tiles, load.comp. A search has no shear, whose torque takes the same place.
+// For Newton's method over tiles, load.comp. A search has no shear, so the slope takes the component of its torque.
 const bool kSumsSlopes = AREA && SEARCH == kSearchOverTiles;
 
 void writeShear(uint taxel, vec2 shear) {
@@ -88,7 +88,7 @@ void writeTileResult(Tile tile, uint tile_index, uint state_start, TileSkin tile
   }
   if (!FLAT) {
     vec3 origin = -(tile.X_PS.row0.xyz * tile.X_PS.row0.w + tile.X_PS.row1.xyz * tile.X_PS.row1.w +
-                    tile.X_PS.row2.xyz * tile.X_PS.row2.w);  // of P in S
+                    tile.X_PS.row2.xyz * tile.X_PS.row2.w);  // origin of P in S
     torque += cross(origin, force);
   }
   uvec2 first = tile.first_taxel + taxels.first;
@@ -113,9 +113,10 @@ const bool kManySmallTiles = EARLY_EXIT && NUM_ROWS == 0 && NUM_TILES > 1 && REL
 const bool kLeavesUntouched = EARLY_EXIT && NUM_ROWS > 0 && RELAXATION == 0 && !OUTPUT_JACOBIAN && SEARCH != kSearchInTile;
 // Whether all outputs of a tile outside pastWindow() are 0. Not after a search over tiles, which writes windows, but no shear and no
 // Jacobian; nor where taxel passes write other windows.
-const bool kKnowsPast = EARLY_EXIT && IS_LAST && NUM_ROWS > 0 && SEARCH != kSearchEnded;
+const bool kHasHistory = EARLY_EXIT && IS_LAST && NUM_ROWS > 0 && SEARCH != kSearchEnded;
 
-// Taxels of the patch that the last step may have written: first row, end row, first column, end column. `result`: of the tile.
+// Taxels of the patch that the last step may have written: first row, end row, first column, end column. `result`: index of the tile over
+// all instances.
 uvec4 pastWindow(uint result) { return fourOf(ResultFours, 3u * result + 2u); }
 
 // Clears the outputs of a tile's taxels that are not active; `invocation` of `num_invocations`. The image pass reads no forces outside the
@@ -124,7 +125,7 @@ void clearTaxels(Tile tile, uint instance, uint result, ActiveTaxels active_taxe
   const bool kClearsForces = OUTPUT_JACOBIAN || NUM_TILES > 1 || NUM_ROWS == 0;
   if (!(kClearsForces || OUTPUT_DEPTH)) return;
   uvec2 first = tile.first_taxel, count = tile.size;
-  if (kKnowsPast) {
+  if (kHasHistory) {
     uvec4 past = pastWindow(result);
     first = past.xz;
     count = past.yw - past.xz;
@@ -143,7 +144,7 @@ void clearTaxels(Tile tile, uint instance, uint result, ActiveTaxels active_taxe
 // Writes the outputs of a tile that no object is near; all invocations of a workgroup share it, or one takes it alone.
 void clearTile(Tile tile, uint instance, uint tile_number, uint invocation, uint num_invocations) {
   uint result = instance * NUM_TILES + tile_number;
-  if (kKnowsPast && all(equal(pastWindow(result), uvec4(0)))) return;
+  if (kHasHistory && all(equal(pastWindow(result), uvec4(0)))) return;
   clearTaxels(tile, instance, result, ActiveTaxels(uvec2(0), uvec2(0)), invocation, num_invocations);
   if (num_invocations > 1) workgroupBarrier();
   if (invocation > 0) return;
@@ -154,8 +155,8 @@ void clearTile(Tile tile, uint instance, uint tile_number, uint invocation, uint
 
 // One invocation per tile first finds the tiles that objects reach; then all invocations process these one after another. This does not pay
 // where a large tile would be cleared every time, or where the workgroup has only one tile.
-bool findsNear() { return kManySmallTiles || kLeavesUntouched && kKnowsPast && REPEAT > 1; }
-// Likewise the tiles whose load search has not ended, and those whose object is of the dispatch's kinds.
+bool findsNear() { return kManySmallTiles || kLeavesUntouched && kHasHistory && REPEAT > 1; }
+// One invocation per tile also finds the tiles whose load search has not ended, and the tiles with an object of the dispatch's kinds.
 bool listsTiles() { return findsNear() || (SEARCH == kSearchOverTiles || SELECTS_KINDS) && EARLY_EXIT && REPEAT > 1; }
 
 bool anyObjectNear(Tile tile, uint instance, uint num_slots) {
@@ -167,13 +168,13 @@ bool anyObjectNear(Tile tile, uint instance, uint num_slots) {
   return near;
 }
 
-// Lists the tiles from `first` to `end` that are to be computed, and writes the outputs of those that no object is near. Returns how many
-// are listed.
+// Lists the tiles from `first` to `end` that are to be computed, and writes the outputs of the tiles that no object is near. Returns the
+// number of listed tiles.
 uint listTiles(uint first, uint end) {
   if (gl_LocalInvocationIndex == 0) num_listed_tiles = 0;
   workgroupBarrier();
-  for (uint place = first + gl_LocalInvocationIndex; place < end; place += WORKGROUP) {
-    uint number = tileNumbered(place), instance = number / NUM_TILES, tile_number = number - instance * NUM_TILES;
+  for (uint index = first + gl_LocalInvocationIndex; index < end; index += WORKGROUP) {
+    uint number = tileNumbered(index), instance = number / NUM_TILES, tile_number = number - instance * NUM_TILES;
     Tile tile;
     if (!beginTile(instance, tile_number, tile)) continue;
     if (!findsNear() || anyObjectNear(tile, instance, step_record.batch.y)) {

@@ -18,9 +18,9 @@
 
 // ---- touched taxels ----
 //
-// The taxels under the bounds of a polyhedron or a round solid that it may touch; the others carry no force and are skipped. A lane keeps
-// its taxels, every LANES-th, as bits of a word and processes them in the order of all taxels, so that the sums are the same. Reads the
-// planes of depth/solids.glsl.
+// Taxels under the bounds of a polyhedron or a round solid that the object may touch; the others carry no force and are skipped. A lane
+// keeps its taxels, every LANES-th, as bits of a word and processes them in the order of all taxels, so that the sums are the same. Reads
+// the planes of depth/solids.glsl.
 
 shared uint most_touched;  // taxels of any lane that kSkipsTaxels leaves
 
@@ -78,8 +78,8 @@ uint nextTouched(inout uint touched, uint lane) {
   return lane + LANES * round;
 }
 
-// Rounds that all lanes take together: as many as the lane with the most of the `num_active` taxels needs. `touched`: this lane's, if
-// kSkipsTaxels.
+// Rounds that all lanes take together: the most that a lane needs for its part of the `num_active` taxels. `touched`: taxels of this lane,
+// with kSkipsTaxels.
 uint numRounds(uint touched, uint num_active) {
   if (!kSkipsTaxels) return (num_active + LANES - 1u) / LANES;
   if (kInRegisters) return largestOverVector(uint(bitCount(touched)));
@@ -92,11 +92,11 @@ uint numRounds(uint touched, uint num_active) {
 
 // ---- pressures ----
 
-// What all taxels of a tile have in common while their samples are summed.
+// Per-tile values shared by all taxels while their samples are summed.
 struct TileStep {
   uint instance;
   uint result;         // index of the tile over all instances
-  uint first_taxel;    // of the patch, over all instances
+  uint first_taxel;    // first taxel of the patch, over all instances
   bool load_driven;    // the load search has ended in this pass
   bool at_rest;        // no depth rate: the first step, or an instance driven by its load
   float per_dt;        // 1 / the step's time, 1/s, for laws that need it
@@ -105,7 +105,7 @@ struct TileStep {
   uint state;          // where the states of the tile's samples begin, skin/sample_states.glsl
   uvec4 touched;       // taxels whose samples have states of shear and depth
   TileSkin skin;       // that relaxes
-  Motion only_motion;  // of the object in the only slot
+  Motion only_motion;  // motion of the object in the only slot
   float friction;      // the instance's factor on friction
   OnlyObject only;     // the object of a pass without a tile
   RoundPart part;      // its part within reach, with kOnlyRound
@@ -144,7 +144,7 @@ TileStep beginPressures(Tile tile, uint instance, uint tile_number, uint num_slo
 
 const bool kHasStates = kStoresTouched || RELAXATION > 0;
 const bool kUnrollsRows = EITHER(kHasStates, OUTPUT_JACOBIAN);
-const uint kSamplesAtOnce = kUnrollsRows ? 4u : 1u;  // of a row
+const uint kSamplesAtOnce = kUnrollsRows ? 4u : 1u;  // samples of a row
 // The code of four samples exceeds a processor's cache for instructions.
 const uint kUnrolledSamples = kUnrollsRows ? 2u : 1u;
 const uint kUnrolledRows = kUnrollsRows ? 1u : 2u;  // four take more time, driver/README.md

@@ -9,8 +9,8 @@
 // How the depth varies over the covered part of a cell, on which its mean is `mean`: a vector, as two half floats. Its direction is the one
 // in which the cell is deeper, or x where there is none; its length is the standard deviation of the depth over the mean.
 uint variationOf(Tile tile, CellSums sums, float mean) {
-  const float kEven = 0.01;                // of a cell: how far from its middle the pressure acts
-  const float kLeast = 1e-3, kMost = 8.0;  // of the mean
+  const float kEven = 0.01;                // widths of a cell: how far from its middle the pressure acts
+  const float kLeast = 1e-3, kMost = 8.0;  // standard deviations over the mean
   float covered = max(sums.covered, 1.0 / kCoveredUnits), before = sums.volume / covered;
   float deviation = sqrt(max(sums.square / covered - before * before, 0.0));
   vec2 deeper = sums.moment * tile.spacing;

@@ -1,10 +1,16 @@
 // Area sampling: sums over the cells of a tile, for one object at a time. Sums are integers, so that the order of facets does not matter.
-// Reference: src/reference/area_depth.cpp.
+//
+//   closed mesh, box                    facets.glsl
+//   torus                               a mesh of its own, as a closed mesh
+//   half-space, cone, upright cylinder  solid_cells.glsl, by facets
+//   sphere, capsule, lying cylinder     solid_cells.glsl, cell by cell
+//   mesh that is not closed             as with point sampling, depth/raster.glsl
 //
 // With ONE_VECTOR two sums are one word of 64 bits (driver/README.md): the second sum, plus 2^32 times the first. Otherwise, where an
 // instance has one slot, the sums of volume and share begin at the words of an empty tile: they take no more shared memory, so that a GPU's
 // core has room for more workgroups.
 // Shared memory: 8 TILE_SAMPLES with ONE_VECTOR or MANY_SLOTS, else 0; 12 TILE_SAMPLES with VARIATION.
+// Reference: src/reference/area_depth.cpp.
 #ifndef DEPTH_AREA_CELL_SUMS_GLSL
 #define DEPTH_AREA_CELL_SUMS_GLSL
 
@@ -90,12 +96,12 @@ void clearSums(uint address) {
   clearMoment(address);
 }
 
-// Integrals over a part of a cell, of the cell's area. Places are in widths of the cell, from its middle.
+// Integrals over a part of a cell, per area of the cell. Positions are in widths of the cell, from its middle.
 struct CellSums {
-  float volume;   // of the depth, m
-  float covered;  // of 1
-  float square;   // of the depth's square, m^2; like the moment only with VARIATION
-  vec2 moment;    // of depth times place, m
+  float volume;   // integral of the depth, m
+  float covered;  // covered share
+  float square;   // integral of the square of the depth, m^2; like the moment only with VARIATION
+  vec2 moment;    // integral of depth times position, m
 };
 
 void addSums(inout CellSums sums, CellSums more, float factor) {

@@ -1,5 +1,5 @@
 // Area sampling of closed meshes: the facets that look down are clipped at the level of the skin, and add their exact integrals to the
-// cells that they cover (depth/area/facets.glsl, depth/area/cell_depths.glsl). Coordinates (u, v): cell (a, b) of the tile is [a, a + 1]
+// cells that they cover (depth/area/cell_sums.glsl). Coordinates (u, v): cell (a, b) of the tile is [a, a + 1]
 // x [b, b + 1].
 //
 // Facets that touch are listed first, so that all lanes of a vector have one: of small triangles an invocation adds one facet to all its
@@ -63,10 +63,10 @@ void addEdge(vec2 p, vec2 q, vec2 rates, inout EdgeSums sums) {
 // A triangle, or two in one plane, counter-clockwise in (u, v); z is the depth under the skin, m. A triangle has c twice.
 struct Facet {
   vec3 a, b, c, d;
-  vec2 slope;  // of the depth, m per cell
+  vec2 slope;  // slope of the depth, m per cell
 };
 
-// What the part of a facet that is deeper than a level does to the integral of clamp(depth, 0, THICKNESS).
+// Contribution of the part of a facet that is deeper than a level to the integral of clamp(depth, 0, THICKNESS).
 const uint kPressed = 0u;  // deeper than 0: adds its depth
 const uint kBeyond = 1u;   // deeper than THICKNESS: subtracts the depth beyond it
 const uint kUnseen = 2u;   // deeper than the tile sees, Tile::z_floor: subtracts THICKNESS
@@ -145,15 +145,15 @@ Part partOf(Tile tile, Facet facet, uint which, inout Found found) {
 
 ivec2 cellOf(Part part, uint number) { return part.first + ivec2(cellNumbered(number, part.num_cols)); }
 
-// Integrals of what `which` part of a facet adds over a part of a cell: its area, its centroid from the cell's middle, the covariance of
-// places (xx, xy, yy), the depth (m) at the centroid and the largest difference of depths on the part.
+// Contribution of `which` part of a facet over a part of a cell: its area, its centroid from the cell's middle, the covariance of
+// positions (xx, xy, yy), the depth (m) at the centroid and the largest difference of depths on the part.
 CellSums integralsOver(Facet facet, uint which, float area, vec2 center, vec3 covariance, float depth, float difference) {
   float added = which == kUnseen ? THICKNESS : which == kBeyond ? depth - THICKNESS : depth;
   CellSums sums = CellSums(area * added, which == kBeyond ? 0.0 : area, 0.0, vec2(0));
   if (VARIATION) {
     vec2 slope = which == kUnseen ? vec2(0) : facet.slope, rise = vec2(dot(covariance.xy, slope), dot(covariance.yz, slope));
-    // Of a linear function on a convex part the variance is at most that of an even distribution. What exceeds it is rounding, of a steep
-    // facet's narrow part.
+    // The variance of a linear function over a convex region is at most (range)^2 / 12; this clamps the rounding error of a steep facet's
+    // narrow part.
     float found = dot(rise, slope), variance = clamp(found, 0.0, difference * difference * (1.0 / 12.0));
     if (found != variance) rise = slope * (variance / dot(slope, slope));
     float beyond = which == kBeyond ? 2.0 * THICKNESS * added : 0.0;  // d^2 - T^2 = (d - T)^2 + 2 T (d - T)
@@ -163,10 +163,10 @@ CellSums integralsOver(Facet facet, uint which, float area, vec2 center, vec3 co
   return sums;
 }
 
-// Notes a surface below Tile::z_floor over a cell. Only what lies over a cell counts: a load search takes it for an object that is behind
+// Notes a surface below Tile::z_floor over a cell. Only surfaces over a cell count: a load search takes it for an object that is behind
 // the skin.
 void noteUnseen(Part part, float area, inout Found found) {
-  const float kLeastArea = 1e-3;  // of a cell; less may be the rounding of an outline that passes by
+  const float kLeastArea = 1e-3;  // share of a cell; less may be the rounding of an outline that passes by
   if (NUM_ROWS == 0) found.below_floor = found.below_floor || part.which == kUnseen && area > kLeastArea;
 }
 
@@ -245,7 +245,7 @@ void addLargeFacet(Tile tile, Facet facet, inout Found found) {
 
 // The triangle (p, q, r), counter-clockwise seen from outside of the body. False: it does not look down.
 bool facetOf(vec3 p, vec3 q, vec3 r, out Facet facet) {
-  const float kLeastArea = 1e-9;  // of a cell, twice
+  const float kLeastArea = 1e-9;  // twice the share of a cell
   vec3 ab = r - p, ac = q - p;    // seen from above it turns the other way
   float area = ab.x * ac.y - ac.x * ab.y;
   facet = Facet(p, r, q, q, vec2(ab.z * ac.y - ac.z * ab.y, ab.x * ac.z - ac.x * ab.z) / area);
@@ -259,7 +259,7 @@ bool touches(Tile tile, Facet facet) {
   return deepestOf(facet) > 0.0 && isAny(cells);
 }
 
-// Lists what of a quad touches: triangles, or both as one facet where they lie in one plane that no level cuts.
+// Lists the triangles of a quad that touch, or both as one facet where they lie in one plane that no level cuts.
 void listFacets(Tile tile, MeshView view, uint quad) {
   const float kPlanar = 2e-9;  // m, the rounding of heights
   Vertex vertices[4];

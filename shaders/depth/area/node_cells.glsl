@@ -10,7 +10,7 @@
 #include "shared/elastic_layer.h"
 #include "depth/area/cell_sums.glsl"
 
-// How far an edge bounds what is covered, 1 to 0, by the variance of the depth over the square of its mean.
+// How far an edge bounds the covered part, 1 to 0, by the variance of the depth over the square of its mean.
 const float kSureEdge = 0.05;     // a plane whose shallow side is half as deep as the deep one has 0.04
 const float kNearlyWhole = 20.0;  // times the share that is not covered, below 1, is how far the height in the middle still counts
 const float kNoEdge = 0.15;       // a parabola that ends in the skin on both sides has 0.2, a plane that ends there on one side 0.33
@@ -23,9 +23,9 @@ float edgeOf(CellSums sums) {
 
 uint packedCentroid(CellSums sums, float edge) {
   const float kMost = float((1u << (kCentroidBits - 1u)) - 1u);
-  ivec2 place = ivec2(round(clamp(2.0 * edge * sums.moment / max(sums.volume, 1e-30), -1.0, 1.0) * kMost));
+  ivec2 center = ivec2(round(clamp(2.0 * edge * sums.moment / max(sums.volume, 1e-30), -1.0, 1.0) * kMost));
   uint mask = (1u << kCentroidBits) - 1u;
-  return (uint(place.x) & mask) | (uint(place.y) & mask) << kCentroidBits |
+  return (uint(center.x) & mask) | (uint(center.y) & mask) << kCentroidBits |
          uint(round(edge * float((1u << kEdgeBits) - 1u))) << (2u * kCentroidBits);
 }
 

@@ -1,10 +1,10 @@
-// Area sampling of spheres, capsules and lying cylinders.
+// Area sampling of solids: half-spaces, cones and upright cylinders by facets; spheres, capsules and lying cylinders cell by cell.
 //
 // Over a cell the lowest surface is a quadratic to the accuracy of kSmooth, but next to an end of a tube and where the surface is steep.
 // The integral of a quadratic depth has a closed form inside of the contact, and along each of kLines lines through a cell on the contact's
 // edge. A convex solid lies above its tangent plane, which discards cells that nothing touches. Through each of the other cells go
-// kScanLines lines along y; Gauss's rule with two nodes in each of three pieces of what touches integrates along a line
-// (depth/area/solid_cells.glsl). Twin: src/reference/mean_depth.cpp.
+// kScanLines lines along y; Gauss's rule with two nodes in each of three pieces of the chord (chordOf()) integrates along a line.
+// Reference: src/reference/mean_depth.cpp.
 //
 // Cells on the edge and cells with scan lines are listed first: a vector processor takes a branch with all its lanes.
 // Shared memory: 8 bytes.
@@ -18,8 +18,8 @@
 // ---- facets of solids ----
 //
 // Area sampling of half-spaces, by two quads; of cones, and of cylinders whose ends look up and down, by the facets of a prism or pyramid
-// of kSides sides with the same area of every section, so that the outlines of flat ends are exact integrals (depth/area/facets.glsl). It
-// deviates by at most 2.1e-4 of the radius.
+// of kSides sides with the same area of every section, so that the outlines of flat ends are exact integrals. It deviates by at most 2.1e-4
+// of the radius.
 
 const uint kSides = 128u;
 const float kSideAngle = 6.2831853072 / float(kSides);
@@ -98,14 +98,14 @@ void addHalfSpace(inout Tile tile, Solid solid, inout Found found) {
 
 const uint kLines = 4u;
 const uint kScanLines = 8u;
-const float kSmooth = 0.003;        // of the largest depth: what the quartic terms of a surface may change
+const float kSmooth = 0.003;        // share of the largest depth: change by the quartic terms of a surface that counts as a quadratic
 const float kGauss = 0.5773502692;  // nodes of Gauss's rule on [-1, 1]
 
-// Of listed_cells, those on an edge come first, and those with scan lines last.
+// In listed_cells, cells on an edge come first, and cells with scan lines last.
 LIST_LENGTH uint num_edge_cells;
 LIST_LENGTH uint num_scan_cells;
 
-// Height (m) of the solid's lowest surface over a place of P; kNoHeight without one.
+// Height (m) of the solid's lowest surface over a position in P; kNoHeight without one.
 float heightAt(Tile tile, Solid solid, vec2 xy, inout Found found) {
   float z = analyticHeight(solid.kind, solid.parameters, solid.X_PO, xy, tile.z_floor, found);
   bool below_floor = NUM_ROWS == 0 && z < tile.z_floor;
@@ -158,8 +158,8 @@ uvec2 cellOf(CellBand band, uint number) {
 
 // Adds the integrals along one scan line of the cell at `at`, m along the line.
 void addScanLine(Tile tile, Solid solid, Tube tube, vec2 at, uint line, inout CellSums sums, inout Found found) {
-  float place = (float(line) + 0.5) / float(kScanLines) - 0.5;
-  vec2 start = samplePosition(tile, at + vec2(place, -0.5));
+  float offset = (float(line) + 0.5) / float(kScanLines) - 0.5;  // from the middle of the cell, in its widths
+  vec2 start = samplePosition(tile, at + vec2(offset, -0.5));
   float x = start.x, end = start.y + tile.spacing.y;
   vec4 chord = clamp(chordOf(tube, isKind(solid.kind, kKindCylinder), x), start.y, end);
   CellSums line_sums = CellSums(0.0, chord.w - chord.x, 0.0, vec2(0));
@@ -171,7 +171,7 @@ void addScanLine(Tile tile, Solid solid, Tube tube, vec2 at, uint line, inout Ce
     line_sums.volume += half_length * depth;
     if (VARIATION) {
       line_sums.square += half_length * depth * depth;
-      line_sums.moment += half_length * depth * vec2(place, (y - start.y) / tile.spacing.y - 0.5);
+      line_sums.moment += half_length * depth * vec2(offset, (y - start.y) / tile.spacing.y - 0.5);
     }
   }
   if (chord.x < chord.w) addSums(sums, line_sums, 1.0);
@@ -190,7 +190,7 @@ struct Quadratic {
 // The lower side of a sphere.
 Quadratic sphereUnder(vec3 middle, float radius, vec2 xy, out float height) {
   vec2 d = xy - middle.xy;
-  height = sqrt(max(radius * radius - dot(d, d), 0.0));  // of the middle over the surface
+  height = sqrt(max(radius * radius - dot(d, d), 0.0));  // height of the middle over the surface
   float per_height = 1.0 / max(height, 1e-3 * radius);
   vec2 gradient = d * per_height;
   return Quadratic(height - middle.z, -gradient, vec3(1.0 + gradient * gradient, gradient.x * gradient.y) * per_height, kNoHeight, vec2(0));
@@ -213,7 +213,7 @@ Quadratic tubeUnder(Tube tube, vec2 xy, out float height, out float along, out v
 // The lowest surface over the cell in whose middle xy is. False where it is not a quadratic.
 bool quadraticUnder(Tile tile, uint kind, Tube tube, vec2 xy, out Quadratic surface) {
   const float kSteep = 0.3;     // height over radius
-  const float kUpright = 0.02;  // of a cell: how far the lower end of a cylinder may reach below its tube
+  const float kUpright = 0.02;  // widths of a cell: how far the lower end of a cylinder may reach below its tube
   vec2 half_size = 0.5 * tile.spacing;
   float height, along = 0.0;
   vec2 rate = vec2(0);
@@ -307,10 +307,10 @@ CellSums integralOf(Quadratic surface, vec2 half_size, float deepest) {
   return sums;
 }
 
-// Where a cell is: nothing touches it, or it is inside of the contact, on an edge, or needs scan lines.
+// Class of a cell: nothing touches it, or it is inside of the contact, on an edge, or needs scan lines.
 const uint kOutside = 0u, kInside = 1u, kEdge = 2u, kScanned = 3u;
 
-uint placeOf(Tile tile, Quadratic surface, bool is_quadratic, out float deepest) {
+uint classOf(Tile tile, Quadratic surface, bool is_quadratic, out float deepest) {
   vec2 half_size = 0.5 * tile.spacing;
   float change = dot(half_size, abs(surface.slope));
   float bend = 0.5 * dot(surface.bend.xy, half_size * half_size) + abs(surface.bend.z) * half_size.x * half_size.y;
@@ -320,23 +320,23 @@ uint placeOf(Tile tile, Quadratic surface, bool is_quadratic, out float deepest)
   return surface.depth - change - bend < 0.0 || deepest > THICKNESS || surface.end < kNoHeight ? kEdge : kInside;
 }
 
-// Gives the cells inside of the contact, from `start` to `end` of the band, to the solid; lists those on an edge and those that need scan
-// lines.
+// Gives the cells inside of the contact, from `start` to `end` of the band, to the solid; lists cells on an edge and cells that need
+// scan lines.
 void sortCells(Tile tile, Solid solid, Tube tube, CellBand band, uint start, uint end, uint slot, inout Found found) {
   uint i = start + gl_LocalInvocationIndex;
   do {
-    uint place = kOutside, packed = 0;
+    uint cell_class = kOutside, packed = 0;
     if (i < end) {
       uvec2 at = cellOf(band, i);
       Quadratic surface;
       float deepest;
       bool is_quadratic = quadraticUnder(tile, solid.kind, tube, samplePosition(tile, tile.first + vec2(at)), surface);
-      place = placeOf(tile, surface, is_quadratic, deepest);
+      cell_class = classOf(tile, surface, is_quadratic, deepest);
       packed = at.x << 16 | at.y;
-      if (place == kInside) giveCell(tile, at.x * tile.stride + at.y, slot, integralInside(surface, tile.spacing), found);
+      if (cell_class == kInside) giveCell(tile, at.x * tile.stride + at.y, slot, integralInside(surface, tile.spacing), found);
     }
-    uint edge_index = appended(num_edge_cells, place == kEdge), scan_index = appended(num_scan_cells, place == kScanned);
-    if (place >= kEdge) listed_cells[place == kEdge ? edge_index : kMostListed - 1u - scan_index] = packed;
+    uint edge_index = appended(num_edge_cells, cell_class == kEdge), scan_index = appended(num_scan_cells, cell_class == kScanned);
+    if (cell_class >= kEdge) listed_cells[cell_class == kEdge ? edge_index : kMostListed - 1u - scan_index] = packed;
     i += WORKGROUP;
   } while (i - gl_LocalInvocationIndex < end);
   checkLoop(i < end);
@@ -350,7 +350,7 @@ void giveEdgeCells(Tile tile, Solid solid, Tube tube, uint slot, inout Found fou
       Quadratic surface;
       float deepest;
       bool is_quadratic = quadraticUnder(tile, solid.kind, tube, samplePosition(tile, tile.first + vec2(at)), surface);
-      placeOf(tile, surface, is_quadratic, deepest);
+      classOf(tile, surface, is_quadratic, deepest);
       giveCell(tile, at.x * tile.stride + at.y, slot, integralOf(surface, 0.5 * tile.spacing, deepest), found);
     }
     i += WORKGROUP;

@@ -1,5 +1,5 @@
 // The taxel that a contact point belongs to, by the rule of include/taxelsim/contact_point.h. Lengths in m; points p_SQ_S in S. `band`:
-// height over the skin up to which contacts count. Twin: src/reference/contact_points.cpp.
+// height over the skin up to which contacts count. Reference: src/reference/contact_points.cpp.
 
 const float kRimTolerance = 1e-6;  // m, include/taxelsim/contact_point.h
 const uint kNoCell = 0xFFFFFFFFu;
@@ -46,23 +46,23 @@ uint cellOf(float x, uint count, float pitch) {
 }
 
 // The taxel that carries a contact.
-struct Place {
-  uint taxel;   // of the sensor; kNoCell: none
+struct ContactTaxel {
+  uint taxel;   // index in the sensor; kNoCell: none
   uvec2 cell;   // row and column in its patch
   vec3 normal;  // z of the patch in S
 };
 
-Place placeOn(Patch on, vec3 p_SQ_S, float band) {
+ContactTaxel taxelOn(Patch on, vec3 p_SQ_S, float band) {
   vec3 p_PQ_P = p_SQ_S;
   if (!FLAT) p_PQ_P = apply(on.X_PS, p_SQ_S);
   uvec2 cell = uvec2(cellOf(p_PQ_P.x, on.size.x, on.pitch.x), cellOf(p_PQ_P.y, on.size.y, on.pitch.y));
   bool inside = cell.x != kNoCell && cell.y != kNoCell && p_PQ_P.z >= -THICKNESS && p_PQ_P.z <= band;
-  return Place(inside ? on.first_taxel + cell.x * on.size.y + cell.y : kNoCell, cell, on.X_PS.row2.xyz);
+  return ContactTaxel(inside ? on.first_taxel + cell.x * on.size.y + cell.y : kNoCell, cell, on.X_PS.row2.xyz);
 }
 
 // On a list of taxels: the taxel whose rectangle has the contact nearest to its middle.
-Place placeInList(vec3 p_SQ_S, float band) {
-  Place at = Place(kNoCell, uvec2(0), vec3(0));
+ContactTaxel taxelInList(vec3 p_SQ_S, float band) {
+  ContactTaxel at = ContactTaxel(kNoCell, uvec2(0), vec3(0));
   float least = 0.5;  // squared distance in pitches; this is the ellipse through the corners
   uint t = 0;
   for (; t < NUM_PATCHES; ++t) {
@@ -72,17 +72,17 @@ Place placeInList(vec3 p_SQ_S, float band) {
     float away = dot(off, off);
     if (p_PQ_P.z < -THICKNESS || p_PQ_P.z > band || !(away < least)) continue;
     least = away;
-    at = Place(t, uvec2(0), on.X_PS.row2.xyz);
+    at = ContactTaxel(t, uvec2(0), on.X_PS.row2.xyz);
   }
   checkLoop(t < NUM_PATCHES);
   return at;
 }
 
 // On grid patches: the first patch whose volume holds the contact.
-Place placeOnPatches(Patch first_patch, vec3 p_SQ_S, float band) {
-  Place at = placeOn(first_patch, p_SQ_S, band);
+ContactTaxel taxelOnPatches(Patch first_patch, vec3 p_SQ_S, float band) {
+  ContactTaxel at = taxelOn(first_patch, p_SQ_S, band);
   uint p = 1;
-  for (; p < NUM_PATCHES && at.taxel == kNoCell; ++p) at = placeOn(patchAt(p), p_SQ_S, band);
+  for (; p < NUM_PATCHES && at.taxel == kNoCell; ++p) at = taxelOn(patchAt(p), p_SQ_S, band);
   checkLoop((p < NUM_PATCHES && at.taxel == kNoCell));
   return at;
 }
