@@ -3,7 +3,6 @@
 // In: instances, step_record.
 #ifndef COMMON_INSTANCES_GLSL
 #define COMMON_INSTANCES_GLSL
-
 bool isHeld(uint instance) { return (instanceRecord(instance).keys.w & kFlagHeld) != 0; }
 
 // `instance` may be beyond the batch.
@@ -15,5 +14,4 @@ bool hasNewValues(uint instance, bool clean) {
   uint flags = instanceRecord(instance).keys.w;
   return (flags & kFlagHeld) == 0 && (clean || (flags & kFlagNewFrame) != 0);
 }
-
 #endif

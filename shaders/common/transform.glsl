@@ -1,7 +1,6 @@
 // Rigid and affine maps as three rows (A | b): the image of p is A p + b. Lengths of vectors.
 #ifndef COMMON_TRANSFORM_GLSL
 #define COMMON_TRANSFORM_GLSL
-
 struct Affine {
   vec4 row0, row1, row2;
 };
@@ -42,5 +41,4 @@ vec2 onCone(vec2 q, float cap) {
   float square = dot(scaled_q, scaled_q), scaled_cap = cap * kScale;
   return mix(q, q * (scaled_cap * inversesqrt(square)), bvec2(square > scaled_cap * scaled_cap));
 }
-
 #endif

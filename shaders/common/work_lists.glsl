@@ -2,7 +2,6 @@
 // In, out: work, work_instances.
 #ifndef COMMON_WORK_LISTS_GLSL
 #define COMMON_WORK_LISTS_GLSL
-
 // Index in work_instances[] of the entry `at` of a list.
 uint listIndex(uint list, uint at) { return list * step_record.batch.x + at; }
 
@@ -22,5 +21,4 @@ uint appendEntry(uint row, uint per_workgroup) {
 void appendToList(uint list, uint instance, uint per_workgroup) {
   work_instances[listIndex(list, appendEntry(list, per_workgroup))] = instance;
 }
-
 #endif

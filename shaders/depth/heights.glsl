@@ -4,7 +4,6 @@
 // Reference: src/reference/depth.cpp.
 #ifndef DEPTH_HEIGHTS_GLSL
 #define DEPTH_HEIGHTS_GLSL
-
 #include "depth/raster.glsl"
 #include "depth/solids.glsl"
 #include "depth/area/solid_cells.glsl"
@@ -205,5 +204,4 @@ float sampleHeight(Tile tile, OnlyObject only, uint address, vec2 position, inou
   word = withSlot(max(z - tile.z_base, 0.0), only.slot);
   return withoutSlot(word);
 }
-
 #endif

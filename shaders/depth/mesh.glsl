@@ -7,7 +7,6 @@
 // Shared memory: 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 8 bytes.
 #ifndef DEPTH_MESH_GLSL
 #define DEPTH_MESH_GLSL
-
 #include "driver/loops.glsl"
 #include "driver/workgroup.glsl"
 #include "depth/tile.glsl"
@@ -148,5 +147,4 @@ uint listQuads(Tile tile, MeshView view, uint start, uint end_group) {
   listClusters(tile, view);
   return num_listed_clusters * kQuadsPerCluster;
 }
-
 #endif

@@ -6,7 +6,6 @@
 // 2 mm.
 #ifndef DEPTH_SLOTS_GLSL
 #define DEPTH_SLOTS_GLSL
-
 const bool kKeepsSlots = KEEPS_SLOTS;
 const uint kSlotMask = (1u << kSlotBits) - 1u;
 
@@ -17,5 +16,4 @@ uint withSlot(float value, uint slot) {
 
 float withoutSlot(uint word) { return uintBitsToFloat(kKeepsSlots ? word & ~kSlotMask : word); }
 uint slotOf(uint word) { return kKeepsSlots ? word & kSlotMask : 0u; }
-
 #endif

@@ -8,7 +8,6 @@
 // Reference: src/reference/analytic.cpp, depth.cpp.
 #ifndef DEPTH_SOLIDS_GLSL
 #define DEPTH_SOLIDS_GLSL
-
 #include "common/transform.glsl"
 #include "depth/tile_heights.glsl"
 
@@ -368,5 +367,4 @@ vec4 chordOf(Tube tube, bool is_cylinder, float x) {
   if (flat_end.x > flat_end.y) flat_end = mix(piece.xx, piece.yy, vec2(1.0, 2.0) / 3.0);
   return vec4(piece.x, flat_end, piece.y);
 }
-
 #endif

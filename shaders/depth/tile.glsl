@@ -5,7 +5,6 @@
 // In:  patches, tiles (shared/model.h), poses, objects.
 #ifndef DEPTH_TILE_GLSL
 #define DEPTH_TILE_GLSL
-
 #include "driver/arithmetic.glsl"
 #include "common/transform.glsl"
 
@@ -142,5 +141,4 @@ Box samplesUnder(Tile tile, Body body) {
   return Box(wholeNumbers(clamp(low, tile.first, tile.end) - tile.first),
              wholeNumbers(clamp(high, tile.first - 1.0, tile.end - 1.0) - tile.first));
 }
-
 #endif

@@ -5,7 +5,6 @@
 // Shared memory: 4 TILE_SAMPLES + 16 bytes.
 #ifndef DEPTH_TILE_HEIGHTS_GLSL
 #define DEPTH_TILE_HEIGHTS_GLSL
-
 #include "driver/arithmetic.glsl"
 #include "driver/workgroup.glsl"
 #include "depth/slots.glsl"
@@ -109,5 +108,4 @@ Box boxAround(Box part) {
   workgroupBarrier();
   return Box(ivec2(active_box[0], active_box[2]), ivec2(active_box[1], active_box[3]));
 }
-
 #endif

@@ -5,7 +5,6 @@
 // a second dispatch of the same kernel, whose workgroups take one tile each. In, out: work, work_instances.
 #ifndef DEPTH_TILE_SEQUENCE_GLSL
 #define DEPTH_TILE_SEQUENCE_GLSL
-
 #include "common/work_lists.glsl"
 #include "driver/loops.glsl"
 
@@ -35,5 +34,4 @@ uvec2 tileRange() {
   uint first = min(workgroupNumber() * (second ? 1u : REPEAT), all);  // a dispatch in two dimensions may have more workgroups than work
   return uvec2(first, min(first + (second ? 1u : REPEAT), all));
 }
-
 #endif

@@ -1,7 +1,6 @@
 // Roundings of floats to integers, divisions of small integers and logical operations in constants, in the form that software drivers need.
 #ifndef DRIVER_ARITHMETIC_GLSL
 #define DRIVER_ARITHMETIC_GLSL
-
 // Logical operations in constants from which others follow. Mesa 22.3 builds no pipeline with "||" or "&&" in such an expression.
 #define EITHER(a, b) ((uint(a) | uint(b)) != 0u)
 #define BOTH(a, b) ((uint(a) & uint(b)) != 0u)
@@ -24,5 +23,4 @@ uvec2 cellNumbered(uint i, uint num_cols) {
 
 // `rectangle`: first row, end row, first col, end col.
 bool isInside(uvec2 cell, uvec4 rectangle) { return all(greaterThanEqual(cell, rectangle.xz)) && all(lessThan(cell, rectangle.yw)); }
-
 #endif

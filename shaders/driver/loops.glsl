@@ -6,7 +6,6 @@
 // Mutable globals: any_unfinished_loop, one flag per invocation; num_iterations, the same in all invocations of a workgroup.
 #ifndef DRIVER_LOOPS_GLSL
 #define DRIVER_LOOPS_GLSL
-
 bool any_unfinished_loop = false;
 
 void checkLoop(bool unfinished) { any_unfinished_loop = any_unfinished_loop || unfinished; }
@@ -49,5 +48,4 @@ void reportUnfinishedLoops() {
         part += WORKGROUP;                               \
       } while (WORKGROUP < LANES && part < (num_parts)); \
   }
-
 #endif

@@ -8,7 +8,6 @@
 // Mutable globals: own_partial.
 #ifndef DRIVER_WORKGROUP_GLSL
 #define DRIVER_WORKGROUP_GLSL
-
 // After the barrier, all writes of the workgroup to shared memory are visible to all of it; after the second one, its writes to buffers as
 // well.
 #ifdef ONE_VECTOR
@@ -81,5 +80,4 @@ vec4 sumOfPartials() {
   workgroupBarrier();
   return total;
 }
-
 #endif

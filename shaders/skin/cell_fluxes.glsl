@@ -16,7 +16,6 @@
 // the covered share of a cell is known, and f is the mean over the cell.
 #ifndef SKIN_CELL_FLUXES_GLSL
 #define SKIN_CELL_FLUXES_GLSL
-
 #include "depth/tile_heights.glsl"
 #include "skin/law.glsl"
 
@@ -213,5 +212,4 @@ void writeChange(Tile tile, uint sum, vec3 change[6]) {
     tile_changes[sum * kTileChanges + 3 * k + 2] = change[k].z * tile.force_area;
   }
 }
-
 #endif

@@ -15,7 +15,6 @@
 // `per_dt`: 1 / the step's time, 1/s. Shared memory: 64 bytes per slot where an instance may touch several objects, and 8 LANES bytes.
 #ifndef SKIN_FRICTION_GLSL
 #define SKIN_FRICTION_GLSL
-
 #include "driver/arithmetic.glsl"
 #include "driver/workgroup.glsl"
 #include "common/transform.glsl"
@@ -123,5 +122,4 @@ vec2 shearTraction(inout uvec2 words, bool touches, uint slot, Motion only_motio
   words = mix(uvec2(kNoFrictionState, 0u), uvec2(withSlot(sample_state.x, slot), floatBitsToUint(sample_state.y)), bvec2(touches));
   return mix(vec2(0), q, bvec2(drags));
 }
-
 #endif

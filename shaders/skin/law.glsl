@@ -2,7 +2,6 @@
 // springs or bristles. Pressures in Pa, depths in m. Reference: src/reference/contact.cpp, cell_points.cpp, friction.cpp, lugre.cpp.
 #ifndef SKIN_LAW_GLSL
 #define SKIN_LAW_GLSL
-
 #include "common/transform.glsl"
 #include "depth/tile.glsl"
 
@@ -123,5 +122,4 @@ vec2 tractionAfter(inout vec2 sample_state, vec2 u, float share, float covered, 
   if (BRISTLES) return pressure * bristleShear(sample_state, u, share, per_dt);
   return sample_state = onCone(sample_state + TANGENTIAL_STIFFNESS * covered * share * u, FRICTION_COEFFICIENT * pressure);
 }
-
 #endif

@@ -3,7 +3,6 @@
 // Shared memory: 4 bytes.
 #ifndef SKIN_LOAD_SEARCH_GLSL
 #define SKIN_LOAD_SEARCH_GLSL
-
 #include "common/instances.glsl"
 #include "driver/workgroup.glsl"
 #include "depth/heights.glsl"
@@ -111,5 +110,4 @@ bool beginTile(uint instance, uint tile_number, out Tile tile) {
   }
   return true;
 }
-
 #endif

@@ -8,7 +8,6 @@
 // stores them.
 #ifndef SKIN_SAMPLE_STATES_GLSL
 #define SKIN_SAMPLE_STATES_GLSL
-
 #include "driver/arithmetic.glsl"
 #include "driver/loops.glsl"
 #include "depth/tile.glsl"
@@ -231,5 +230,4 @@ void writeStates(uint first, SampleStates states) {
   if (FRICTION) writeShears(first, states.shear);
   if (HAS_STATE) state[first + kDepthState] = states.depths;
 }
-
 #endif

@@ -6,7 +6,6 @@
 // Shared memory: 8 bytes.
 #ifndef SKIN_TILE_OUTPUTS_GLSL
 #define SKIN_TILE_OUTPUTS_GLSL
-
 #include "driver/workgroup.glsl"
 #include "depth/tile_heights.glsl"
 #include "depth/tile_sequence.glsl"
@@ -186,5 +185,4 @@ uint listTiles(uint first, uint end) {
   workgroupBarrier();
   return num_listed_tiles;
 }
-
 #endif

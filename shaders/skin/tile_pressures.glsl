@@ -7,7 +7,6 @@
 // Reference: src/reference/contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp.
 #ifndef SKIN_TILE_PRESSURES_GLSL
 #define SKIN_TILE_PRESSURES_GLSL
-
 #include "driver/loops.glsl"
 #include "driver/workgroup.glsl"
 #include "depth/heights.glsl"
@@ -340,5 +339,4 @@ void pressTaxels(Tile tile, TileStep step, ActiveTaxels taxels, inout Found foun
   if (deep > 0) atomicAdd(num_deep, deep);
   if (NUM_ROWS == 0 && found.below_floor && tile.X_PS.row2.z > kLooksUp) atomicOr(any_behind, 1u);
 }
-
 #endif

@@ -12,9 +12,10 @@ bool searchesOverTiles(const ModelData& data, const FrameKind& kind) {
   return kind.loads && !data.layer && !data.packed.searches_in_tile;
 }
 
-// Whether passes over objects process lists of instances.
-bool usesLists(const BatchShape& shape, const FrameKind& kind) {
-  return shape.keeps_candidates && !kind.loads && kind.candidates != Candidates::kLeft;
+// The list of the instances without candidates.
+std::uint32_t otherInstances(const BatchShape& shape, const FrameKind& kind) {
+  const bool uses_lists = shape.keeps_candidates && !kind.loads && kind.candidates != Candidates::kLeft;
+  return uses_lists ? layout::kListWholeMesh : layout::kNumLists;
 }
 
 // The contact pass from poses. In a large batch of a model of several kinds of objects it is a dispatch for each kind, compiled for what
@@ -22,36 +23,41 @@ bool usesLists(const BatchShape& shape, const FrameKind& kind) {
 void recordContact(const Model::Impl& model, const BatchShape& shape, Recorder& recorder, ContactPass::Variant variant) {
   constexpr int kMinInstances = 256;
   const std::span<const std::uint32_t> kinds = model.data.object_kinds.passes;
-  const bool divides = kinds.size() > 1 && shape.options.num_instances >= kMinInstances && !variant.many_slots &&
-                       variant.search == DepthConstants::kNoSearch;
+  const bool divides = kinds.size() > 1 && shape.options.num_instances >= kMinInstances && !variant.depth.many_slots &&
+                       variant.depth.search == DepthConstants::kNoSearch;
   if (!divides) return model.contact.record(recorder, variant);
-  const std::uint32_t list = variant.list;
+  const std::uint32_t list = variant.depth.list;
   for (const std::uint32_t mask : kinds) {
-    variant.kinds = mask;
-    variant.list = (mask & (1u << layout::kKindMesh)) != 0 ? list : layout::kNumLists;  // lists are made for meshes
+    variant.depth.kinds = mask;
+    variant.depth.list = (mask & (1u << layout::kKindMesh)) != 0 ? list : layout::kNumLists;  // lists are made for meshes
     model.contact.record(recorder, variant);
   }
 }
 
+// Kernels of stage 1 with points.
+DepthVariant depthVariant(const BatchShape& shape, const FrameKind& kind) {
+  return {.search = kind.loads ? DepthConstants::kSearchInTile : DepthConstants::kNoSearch,
+          .many_slots = kind.many_near,
+          .keeps_slots = shape.options.num_slots > 1 && shape.hasFriction()};
+}
+
 // Stages 1 and 2 of the law elastic_layer.
 void recordLayer(const Model::Impl& model, const BatchShape& shape, Recorder& recorder, const FrameKind& kind) {
-  const OutputOptions& outputs = shape.options.outputs;
-  HeightsPass::Variant variant{
-      .loads = kind.loads, .many_slots = kind.many_near, .keeps_slots = shape.options.num_slots > 1 && shape.hasFriction()};
+  DepthVariant variant = depthVariant(shape, kind);
   if (kind.candidates == Candidates::kUsed) {
     variant.list = layout::kListCandidates;
     model.heights->record(recorder, variant);
   }
-  variant.list = usesLists(shape, kind) ? layout::kListWholeMesh : layout::kNumLists;
+  variant.list = otherInstances(shape, kind);
   model.heights->record(recorder, variant);
   if (model.data.area()) {
     variant.list = layout::kNumLists;
-    variant.cells = true;
+    variant.area = true;
     model.heights->record(recorder, variant);
   }
   model.elastic_layer->record(recorder, {.loads = kind.loads,
                                          .keeps_slots = variant.keeps_slots,
-                                         .with_depth = outputs.penetration_depth,
+                                         .with_depth = shape.options.outputs.penetration_depth,
                                          .with_shear = shape.outputsShear(),
                                          .with_jacobian = shape.outputsJacobian()});
 }
@@ -59,7 +65,7 @@ void recordLayer(const Model::Impl& model, const BatchShape& shape, Recorder& re
 // Evaluates the contact pass at the offsets of the search until it has ended.
 void recordSearchOverTiles(const Model::Impl& model, Recorder& recorder, ContactPass::Variant variant) {
   const bool with_jacobian = variant.with_jacobian;
-  variant.search = DepthConstants::kSearchOverTiles;
+  variant.depth.search = DepthConstants::kSearchOverTiles;
   variant.with_jacobian = false;
   for (std::uint32_t evaluation = 0; evaluation < LoadSearchPass::kNumFrameEvaluations; ++evaluation) {
     model.contact.record(recorder, variant);
@@ -67,7 +73,7 @@ void recordSearchOverTiles(const Model::Impl& model, Recorder& recorder, Contact
   }
   // What the search leaves alone: the state of the samples and the Jacobian.
   if (model.data.hasFriction() || model.data.relaxes() || with_jacobian) {
-    variant.search = DepthConstants::kSearchEnded;
+    variant.depth.search = DepthConstants::kSearchEnded;
     variant.with_jacobian = with_jacobian;
     model.contact.record(recorder, variant);
   }
@@ -75,19 +81,18 @@ void recordSearchOverTiles(const Model::Impl& model, Recorder& recorder, Contact
 
 // Stages 1 and 2 of other laws.
 void recordContacts(const Model::Impl& model, const BatchShape& shape, Recorder& recorder, const FrameKind& kind) {
-  ContactPass::Variant variant{.search = kind.loads ? DepthConstants::kSearchInTile : DepthConstants::kNoSearch,
-                               .many_slots = kind.many_near,
-                               .keeps_slots = shape.options.num_slots > 1 && shape.hasFriction(),
+  ContactPass::Variant variant{.depth = depthVariant(shape, kind),
                                .with_depth = shape.options.outputs.penetration_depth,
                                .with_shear = shape.outputsShear(),
                                .with_jacobian = shape.outputsJacobian(),
                                .with_wrench = shape.options.outputs.clean_tactile_jacobian,
                                .random_skin = shape.options.vary_skin};
+  variant.depth.area = model.data.area();
   if (kind.candidates == Candidates::kUsed) {
-    variant.list = layout::kListCandidates;
+    variant.depth.list = layout::kListCandidates;
     model.contact.record(recorder, variant);
   }
-  variant.list = usesLists(shape, kind) ? layout::kListWholeMesh : layout::kNumLists;
+  variant.depth.list = otherInstances(shape, kind);
   if (searchesOverTiles(model.data, kind)) {
     recordSearchOverTiles(model, recorder, variant);
   } else {

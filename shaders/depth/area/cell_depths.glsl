@@ -3,7 +3,6 @@
 // Reference: src/reference/area_depth.cpp.
 #ifndef DEPTH_AREA_CELL_DEPTHS_GLSL
 #define DEPTH_AREA_CELL_DEPTHS_GLSL
-
 #include "depth/area/cell_sums.glsl"
 
 // How the depth varies over the covered part of a cell, on which its mean is `mean`: a vector, as two half floats. Its direction is the one
@@ -38,5 +37,4 @@ void giveCell(Tile tile, uint address, uint slot, CellSums sums, inout Found fou
   }
   if (VARIATION) cell_variations[address] = variationOf(tile, sums, depth / share);
 }
-
 #endif

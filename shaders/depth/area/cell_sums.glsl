@@ -13,7 +13,6 @@
 // Reference: src/reference/area_depth.cpp.
 #ifndef DEPTH_AREA_CELL_SUMS_GLSL
 #define DEPTH_AREA_CELL_SUMS_GLSL
-
 #include "depth/tile_heights.glsl"
 
 const float kVolumeUnits = 134217728.0;  // units per cell area times Tile::deepest; 2^27 leaves room for sixteen surfaces above each other
@@ -155,5 +154,4 @@ void clearHeights() {
     if (VARIATION) cell_variations[address] = 0;
   }
 }
-
 #endif

@@ -7,7 +7,6 @@
 // Shared memory: 4 kMostFacets + 8 bytes.
 #ifndef DEPTH_AREA_FACETS_GLSL
 #define DEPTH_AREA_FACETS_GLSL
-
 #include "depth/mesh.glsl"
 #include "depth/solids.glsl"
 #include "depth/area/cell_sums.glsl"
@@ -322,5 +321,4 @@ void addQuads(Tile tile, MeshView view, bool is_candidate, uint first, uint coun
       start += kQuadsPerChunk;
     } while (start < count);
 }
-
 #endif

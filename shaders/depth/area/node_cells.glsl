@@ -6,7 +6,6 @@
 // Reference: src/reference/layer_cells.cpp.
 #ifndef DEPTH_AREA_NODE_CELLS_GLSL
 #define DEPTH_AREA_NODE_CELLS_GLSL
-
 #include "shared/elastic_layer.h"
 #include "depth/area/cell_sums.glsl"
 
@@ -44,5 +43,4 @@ void giveCell(Tile tile, uint address, uint slot, CellSums sums, inout Found fou
   cell_shares[address] = floatBitsToUint(share);
   cell_variations[address] = packedCentroid(sums, edge);
 }
-
 #endif

@@ -10,7 +10,6 @@
 // Shared memory: 8 bytes.
 #ifndef DEPTH_AREA_SOLID_CELLS_GLSL
 #define DEPTH_AREA_SOLID_CELLS_GLSL
-
 #include "depth/solids.glsl"
 #include "depth/area/cell_sums.glsl"
 #include "depth/area/facets.glsl"
@@ -390,5 +389,4 @@ void addSolid(Tile tile, Solid solid, uint slot, inout Found found) {
   } while (start < count);
   grow(found.samples, band.box);
 }
-
 #endif

@@ -7,23 +7,19 @@
 namespace taxelsim {
 
 void ContactPass::record(Recorder recorder, Variant variant) const {
-  variant.leaves_tiles = variant.search == DepthConstants::kNoSearch &&
-                         (tiles_.kindsOf(layout::kNumLists, variant.kinds) & (1u << layout::kKindMesh)) != 0 &&
+  const DepthVariant& depth = variant.depth;
+  variant.leaves_tiles = depth.search == DepthConstants::kNoSearch && (tiles_.kindsOf(depth) & (1u << layout::kKindMesh)) != 0 &&
                          tiles_.leavesTiles(recorder.num_instances);
   if (model_.hasMask()) recorder.bindings.redirect<block::SpreadScale, block::MaskScale>();
   recorder.bindings.redirect<block::PastState, block::State>();
   recorder.bindings.redirect<block::ResultFours, block::TileResults>();
   const Kernel& kernel = kernels_.get(variant, [&] { return makeKernel(variant); });
   if (variant.leaves_tiles) recorder.copyWorkRows(layout::kLeftTiles, layout::kLeftTiles, 2);
-  tiles_.dispatch(recorder, kernel, variant.list, sizesOf(variant).repeat);
+  tiles_.dispatch(recorder, kernel, depth.list, tiles_.sizesOf(depth, variant.leaves_tiles).repeat);
   if (!variant.leaves_tiles) return;
   recorder.commands.barrier(gpu::Access::kKernel, gpu::Access::kIndirect);
   recorder.copyWorkRows(layout::kNumWorkRows, layout::kSecondDispatch, 1);
   recorder.dispatchOverList(kernel, layout::kLeftTiles);
-}
-
-PassSizes ContactPass::sizesOf(const Variant& variant) const {
-  return tiles_.sizesOf(variant.search, variant.list, tiles_.kindsOf(variant.list, variant.kinds), variant.leaves_tiles);
 }
 
 ContactPass::Kernel ContactPass::makeKernel(const Variant& variant) const {
@@ -33,17 +29,12 @@ ContactPass::Kernel ContactPass::makeKernel(const Variant& variant) const {
   const bool taxels_follow = std::any_of(law.taxel_passes.begin(), law.taxel_passes.end(),
                                          [](const TaxelPass& pass) { return pass.owner != TaxelPass::Owner::kTile; });
   // A search over tiles leaves the state of the samples alone under friction or relaxation; its last evaluation, kSearchEnded, updates it.
-  const bool only_searches = model_.hasFriction() && variant.search == DepthConstants::kSearchOverTiles;
+  const bool only_searches = model_.hasFriction() && variant.depth.search == DepthConstants::kSearchOverTiles;
   const bool friction = model_.hasFriction() && !only_searches;
-  const std::uint32_t kinds = tiles_.kindsOf(variant.list, variant.kinds);
+  DepthVariant depth = variant.depth;
+  depth.keeps_slots = depth.keeps_slots && friction;
   const ContactInterface constants{
-      .depth = tiles_.depthConstants({.search = variant.search,
-                                      .list = variant.list,
-                                      .kinds = kinds,
-                                      .many_slots = variant.many_slots,
-                                      .keeps_slots = variant.keeps_slots && friction,
-                                      .area = model_.area(),
-                                      .variation = model_.area() && (friction || law.parameters[1] != 1)}),
+      .depth = tiles_.depthConstants(depth, depth.area && (friction || law.parameters[1] != 1)),
       .HAS_STATE = law.has_state && !only_searches,
       .SCALED = model_.hasMask() ? model_.packed.one_grid : model_.packed.scalesSpread() && !taxels_follow,
       .OUTPUT_DEPTH = variant.with_depth,
@@ -67,11 +58,11 @@ ContactPass::Kernel ContactPass::makeKernel(const Variant& variant) const {
       .IS_LAST = law.taxel_passes.empty(),
       .RANDOM_SKIN = variant.random_skin,
       .NUM_STATES = model_.numSampleStates(),
-      .SELECTS_KINDS = kinds != model_.object_kinds.kinds && variant.list != layout::kListCandidates,
+      .SELECTS_KINDS = tiles_.kindsOf(depth) != model_.object_kinds.kinds && depth.list != layout::kListCandidates,
       .MOST_ITERATIONS = variant.leaves_tiles ? gpu::kMaxIterations : 0,
       .OUTPUT_WRENCH_CHANGE = variant.with_jacobian && variant.with_wrench,
   };
-  const PassSizes sizes = sizesOf(variant);
+  const PassSizes sizes = tiles_.sizesOf(depth, variant.leaves_tiles);
   return {model_.context(), "contact", model_.profile.select(k_contact_variants, sizes.workgroup),
           commonConstants(model_.contact_sensor, model_.contact_packed, sizes), constants};
 }

@@ -13,15 +13,11 @@ namespace taxelsim {
 class ContactPass {
  public:
   struct Variant {
-    std::uint32_t search = DepthConstants::kNoSearch;
-    bool many_slots = false;                           // several objects may be near an instance
-    bool keeps_slots = false;                          // of a batch with several slots and friction
+    DepthVariant depth;
     bool with_depth = false;                           // outputs penetration_depth
     bool with_shear = false;                           // outputs tactile_shear_force of a sensor with friction
     bool with_jacobian = false;                        // outputs what a tactile Jacobian is computed from
     bool with_wrench = false;                          // and what the wrench's is computed from
-    std::uint32_t list = layout::kNumLists;            // instances that it processes, kList...; kNumLists: all
-    std::uint32_t kinds = 0;                           // bit per kind of object that it processes; 0: all of the model
     bool random_skin = false;                          // every instance has factors of its own, SkinVariation
     bool leaves_tiles = false;                         // to a second dispatch, shaders/depth/tile_sequence.glsl; set by record()
     auto operator<=>(const Variant&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 misreads it
@@ -33,7 +29,6 @@ class ContactPass {
 
  private:
   using Kernel = gpu::PassKernel<ContactInterface>;
-  PassSizes sizesOf(const Variant& variant) const;
   Kernel makeKernel(const Variant& variant) const;
 
   const ModelData& model_;

@@ -106,35 +106,33 @@ std::uint32_t TilePlan::repeatOfLists(std::uint64_t num_instances) const {
 }
 
 // Lists count workgroups of repeatOfLists(). A load search in a tile takes all the iterations that a workgroup may.
-PassSizes TilePlan::sizesOf(std::uint32_t search, std::uint32_t list, std::uint32_t kinds, bool leaves_tiles) const {
+PassSizes TilePlan::sizesOf(const DepthVariant& variant, bool leaves_tiles) const {
   PassSizes sizes = sizes_;
+  if (variant.kinds != 0 && variant.list == layout::kNumLists) sizes.repeat = repeatFor(variant.kinds);
   if (leaves_tiles) sizes.repeat = mostInSequence();
-  if (!leaves_tiles && list == layout::kNumLists && kinds != model_.object_kinds.kinds) sizes.repeat = repeatFor(kinds);
-  if (search == DepthConstants::kSearchInTile) sizes.repeat = 1;
+  if (variant.search == DepthConstants::kSearchInTile) sizes.repeat = 1;
   return sizes;
 }
 
-std::uint32_t TilePlan::kindsOf(std::uint32_t list, std::uint32_t kinds) const {
-  if (list == layout::kListCandidates) return 1u << layout::kKindMesh;
-  return kinds != 0 ? kinds : model_.object_kinds.kinds;
+std::uint32_t TilePlan::kindsOf(const DepthVariant& variant) const {
+  if (variant.list == layout::kListCandidates) return 1u << layout::kKindMesh;
+  return variant.kinds != 0 ? variant.kinds : model_.object_kinds.kinds;
 }
 
-DepthConstants TilePlan::depthConstants(const DepthVariant& variant) const {
-  return {
-      .TILE_SAMPLES = model_.contact_packed.max_tile_samples,
-      .FLAT = model_.contact_packed.flat,
-      .SEARCH = variant.search,
-      .THICKNESS = model_.sensor.skin.thickness,
-      .MANY_SLOTS = variant.many_slots,
-      .OBJECT_KINDS = variant.kinds,
-      .TRIANGLE_SIZES = triangleSizes(model_.object_kinds, variant.area),
-      .NUM_FACES = model_.object_kinds.num_faces,
-      .GROUPS_PER_BATCH = groups_per_batch_,
-      .LIST = variant.list,
-      .AREA = variant.area,
-      .VARIATION = variant.variation,
-      .KEEPS_SLOTS = variant.keeps_slots,
-  };
+DepthConstants TilePlan::depthConstants(const DepthVariant& variant, bool variation) const {
+  return {.TILE_SAMPLES = model_.contact_packed.max_tile_samples,
+          .FLAT = model_.contact_packed.flat,
+          .SEARCH = variant.search,
+          .THICKNESS = model_.sensor.skin.thickness,
+          .MANY_SLOTS = variant.many_slots,
+          .OBJECT_KINDS = kindsOf(variant),
+          .TRIANGLE_SIZES = triangleSizes(model_.object_kinds, variant.area),
+          .NUM_FACES = model_.object_kinds.num_faces,
+          .GROUPS_PER_BATCH = groups_per_batch_,
+          .LIST = variant.list,
+          .AREA = variant.area,
+          .VARIATION = variation,
+          .KEEPS_SLOTS = variant.keeps_slots};
 }
 
 }  // namespace taxelsim

@@ -12,15 +12,15 @@ namespace taxelsim {
 // Samples that a tile may have on this device; `area`: with area sampling; `variation`: ModelData::variation().
 std::uint32_t maxTileSamples(const DeviceInfo& info, bool area, bool variation);
 
-// The part of a kernel that finds depths; fields as in shaders/passes/depth.h.
+// The part of a kernel that finds depths.
 struct DepthVariant {
   std::uint32_t search = DepthConstants::kNoSearch;
-  std::uint32_t list = layout::kNumLists;
-  std::uint32_t kinds = 0;  // of objects, as TilePlan::kindsOf() returns them
-  bool many_slots = false;
-  bool keeps_slots = false;
-  bool area = false;
-  bool variation = false;
+  std::uint32_t list = layout::kNumLists;                 // instances that it processes, kList...; kNumLists: all
+  std::uint32_t kinds = 0;                                // bit per kind of object that it processes; 0: all of the model
+  bool many_slots = false;                                // several objects may be near an instance
+  bool keeps_slots = false;                               // of a batch with several slots and friction
+  bool area = false;                                      // cells instead of points
+  auto operator<=>(const DepthVariant&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 misreads it
 };
 
 class TilePlan {
@@ -29,8 +29,8 @@ class TilePlan {
   TilePlan(const ModelData& model, const ModelOptions& options, const Tuning& tuning);
 
   const PassSizes& sizes() const { return sizes_; }
-  // Sizes of a dispatch. `kinds`: of the objects that it processes; `leaves_tiles`: to a second dispatch.
-  PassSizes sizesOf(std::uint32_t search, std::uint32_t list, std::uint32_t kinds, bool leaves_tiles) const;
+  // Sizes of a dispatch, which may leave tiles to a second one.
+  PassSizes sizesOf(const DepthVariant& variant, bool leaves_tiles = false) const;
   // Instances of a list that a workgroup takes in sequence, in a batch of `num_instances`.
   std::uint32_t repeatOfLists(std::uint64_t num_instances) const;
   // Groups of a mesh's clusters that are culled between two barriers.
@@ -38,9 +38,10 @@ class TilePlan {
   // Whether workgroups leave tiles to a second dispatch, shaders/depth/tile_sequence.glsl.
   bool leavesTiles(std::uint64_t num_instances) const;
 
-  // Kinds of objects in the instances of a list; `kinds`: those that a dispatch is limited to, 0 for all of the model.
-  std::uint32_t kindsOf(std::uint32_t list, std::uint32_t kinds) const;
-  DepthConstants depthConstants(const DepthVariant& variant) const;
+  // Kinds of the objects that a dispatch processes.
+  std::uint32_t kindsOf(const DepthVariant& variant) const;
+  // `variation`: VARIATION of shaders/passes/depth.h.
+  DepthConstants depthConstants(const DepthVariant& variant, bool variation) const;
 
   // Dispatches a kernel over the instances of a list; layout::kNumLists: over all.
   template <typename Interface>
