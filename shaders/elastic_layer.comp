@@ -40,8 +40,6 @@ shared uint num_deep;  // nodes of taxels at full depth
 #include "driver/workgroup.glsl"
 #include "driver/loops.glsl"
 #include "depth/slots.glsl"
-#include "common/node_cells.glsl"
-
 #include "skin/skin_step.glsl"
 #include "elastic_layer/strip.glsl"
 #include "elastic_layer/window.glsl"

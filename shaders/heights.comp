@@ -1,6 +1,5 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_control_flow_attributes : require
 // Heights pass: stage 1 of one frame for the law `elastic_layer`, whose pass elastic_layer.comp solves for the pressures of all nodes at
 // once. A taxel of this pass is a node of the layer, with one sample. With AREA the pass runs a second time and writes node_cells, which
 // describe the part of a node's cell that an object covers.
@@ -37,14 +36,6 @@ uvec4 windowOf(Tile tile, Box samples) {
   return uvec4(uvec2(samples.first) + tile.first_taxel, uvec2(samples.last) + 1u + tile.first_taxel).xzyw;
 }
 
-void clearNode(uint node) {
-  if (AREA) {
-    node_cells[kNodeCellWords * node + 1u] = 0;
-  } else {
-    heights[node] = floatBitsToUint(kNoHeight);
-  }
-}
-
 void writeNode(Tile tile, OnlyObject only, uint node, uvec2 in_patch, inout Found found) {
   uvec2 in_tile = in_patch - tile.first_taxel;
   uint address = in_tile.x * tile.stride + in_tile.y, word;
@@ -75,7 +66,10 @@ void writeNodes(Tile tile, OnlyObject only, uint first_node, uvec4 window, inout
   if (NUM_TILES == 1 && !HAS_CELLS) return;
   for (uint n = gl_LocalInvocationIndex; n < tile.size.x * tile.size.y; n += WORKGROUP) {
     uvec2 at = tile.first_taxel + cellNumbered(n, tile.size.y);
-    if (!isInside(at, window)) clearNode(first_node + at.x * tile.grid.y + at.y);
+    uint node = first_node + at.x * tile.grid.y + at.y;
+    if (isInside(at, window)) continue;
+    if (AREA) node_cells[kNodeCellWords * node + 1u] = 0;
+    if (!AREA) heights[node] = floatBitsToUint(kNoHeight);
   }
 }
 

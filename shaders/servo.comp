@@ -21,14 +21,12 @@
 #include "passes/servo.h"
 
 #include "common/instances.glsl"
-#include "servo/sin_cos.glsl"
 #include "servo/poses.glsl"
 #include "servo/controller.glsl"
 #include "servo/instance.glsl"
 #include "servo/chain.glsl"
 #include "servo/damped_least_squares.glsl"
 #include "servo/robot.glsl"
-#include "servo/pose_record.glsl"
 
 void startEpisode(uint i) {
   startLoop(i);

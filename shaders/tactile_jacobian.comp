@@ -29,12 +29,10 @@ const uint kTeams = WORKGROUP / TEAM;
 #include "readout/imperfections.glsl"
 #include "features/axes.glsl"
 #include "features/jacobian_parts.glsl"
-#include "features/jacobian_taxels.glsl"
 #include "features/spread_change.glsl"
 #include "features/part_sums.glsl"
 #include "features/team_sums.glsl"
 #include "features/jacobian_sums.glsl"
-#include "features/jacobian_rows.glsl"
 
 // All teams execute the same barriers; a team without a part of its own (`is_valid` false) writes nothing.
 void computePart(uint number, bool is_valid, uint num_instances) {

@@ -1,7 +1,6 @@
 // Lists of instances and tiles for later passes, shared/batch.h. Their order varies from run to run and does not affect results.
 // In, out: work, work_instances.
-#ifndef COMMON_WORK_LISTS_GLSL
-#define COMMON_WORK_LISTS_GLSL
+
 // Index in work_instances[] of the entry `at` of a list.
 uint listIndex(uint list, uint at) { return list * step_record.batch.x + at; }
 
@@ -21,4 +20,3 @@ uint appendEntry(uint row, uint per_workgroup) {
 void appendToList(uint list, uint instance, uint per_workgroup) {
   work_instances[listIndex(list, appendEntry(list, per_workgroup))] = instance;
 }
-#endif

@@ -2,10 +2,8 @@
 //
 // The includer defines kAllHeights: surfaces at or above Tile::z_limit count, too.
 // Reference: src/reference/depth.cpp.
-#ifndef DEPTH_HEIGHTS_GLSL
-#define DEPTH_HEIGHTS_GLSL
+
 #include "depth/raster.glsl"
-#include "depth/solids.glsl"
 #include "depth/area/solid_cells.glsl"
 
 // Lowers the heights of the tile to an analytic solid, sample by sample over its bounds.
@@ -204,4 +202,3 @@ float sampleHeight(Tile tile, OnlyObject only, uint address, vec2 position, inou
   word = withSlot(max(z - tile.z_base, 0.0), only.slot);
   return withoutSlot(word);
 }
-#endif

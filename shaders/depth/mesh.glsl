@@ -5,8 +5,7 @@
 // In:  objects, groups, clusters, quads (shared/model.h).
 // Out: listedQuad(i) for i < listQuads().
 // Shared memory: 4 kClustersPerBatch + 4 GROUPS_PER_BATCH + 8 bytes.
-#ifndef DEPTH_MESH_GLSL
-#define DEPTH_MESH_GLSL
+
 #include "driver/loops.glsl"
 #include "driver/workgroup.glsl"
 #include "depth/tile.glsl"
@@ -94,13 +93,6 @@ void fetchQuad(MeshView view, uint quad, out Vertex p, out Vertex q, out Vertex 
   s = vertexOf(view, rs.zw);
 }
 
-// The box of a group; `items`: its clusters, packed as in shared/model.h.
-bool groupReaches(Tile tile, MeshView view, uint group, out uint items) {
-  uvec4 words = fourOf(Groups, group);
-  items = words.w;
-  return boxReaches(tile, view, words.xyz);
-}
-
 // Number of the cluster at an index of the listed groups, which have kClustersPerGroup each; false where the group has fewer clusters.
 bool clusterAt(uint index, out uint cluster) {
   uint group = group_list[index / kClustersPerGroup], at = index % kClustersPerGroup;
@@ -138,13 +130,15 @@ uint listQuads(Tile tile, MeshView view, uint start, uint end_group) {
   uint lane = gl_LocalInvocationIndex;
   if (lane == 0) num_listed_groups = num_listed_clusters = 0;
   workgroupBarrier();
-  uint g = start, end = min(start + GROUPS_PER_BATCH, end_group), items;
+  uint g = start, end = min(start + GROUPS_PER_BATCH, end_group);
   do {
-    if (g + lane < end && groupReaches(tile, view, g + lane, items)) group_list[atomicAdd(num_listed_groups, 1u)] = items;
+    if (g + lane < end) {
+      uvec4 words = fourOf(Groups, g + lane);
+      if (boxReaches(tile, view, words.xyz)) group_list[atomicAdd(num_listed_groups, 1u)] = words.w;
+    }
     g += WORKGROUP;
   } while (g < end);
   workgroupBarrier();
   listClusters(tile, view);
   return num_listed_clusters * kQuadsPerCluster;
 }
-#endif

@@ -2,10 +2,7 @@
 // src/reference/depth.cpp (rays).
 //
 // Coverage is exact, in integers, with the coordinates of depth/mesh.glsl. Rows run along u. Heights z are floats, in m, in P.
-#ifndef DEPTH_RASTER_GLSL
-#define DEPTH_RASTER_GLSL
-#include "depth/mesh.glsl"
-#include "depth/tile_heights.glsl"
+
 #include "depth/area/facets.glsl"
 
 // Edge function of q and r at the origin: twice the signed area of the triangle (origin, q, r).
@@ -213,4 +210,3 @@ void visitCandidates(Tile tile, uint instance, MeshView view, inout Found found)
   visitQuads(tile, view, true, instance * kMaxCandidates, candidates[instance].list.y, found);
   workgroupBarrier();
 }
-#endif

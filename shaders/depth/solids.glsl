@@ -6,9 +6,7 @@
 // Mutable globals, because arrays passed as arguments would be copied per sample: face_slopes, face_lows, face_highs, row_planes.
 // Shared memory: with ONE_VECTOR 16 NUM_FACES bytes.
 // Reference: src/reference/analytic.cpp, depth.cpp.
-#ifndef DEPTH_SOLIDS_GLSL
-#define DEPTH_SOLIDS_GLSL
-#include "common/transform.glsl"
+
 #include "depth/tile_heights.glsl"
 
 // The solid in a slot.
@@ -367,4 +365,3 @@ vec4 chordOf(Tube tube, bool is_cylinder, float x) {
   if (flat_end.x > flat_end.y) flat_end = mix(piece.xx, piece.yy, vec2(1.0, 2.0) / 3.0);
   return vec4(piece.x, flat_end, piece.y);
 }
-#endif

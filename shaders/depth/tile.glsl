@@ -80,8 +80,6 @@ Tile loadTile(uint number) {
   return tile;
 }
 
-// ---- objects ----
-
 // How far a sample reaches, in samples: with area sampling to the border of its cell.
 const float kSampleReach = AREA ? 0.5 : 0.0;
 

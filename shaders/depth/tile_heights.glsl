@@ -5,7 +5,6 @@
 // Shared memory: 4 TILE_SAMPLES + 16 bytes.
 #ifndef DEPTH_TILE_HEIGHTS_GLSL
 #define DEPTH_TILE_HEIGHTS_GLSL
-#include "driver/arithmetic.glsl"
 #include "driver/workgroup.glsl"
 #include "depth/slots.glsl"
 #include "depth/tile.glsl"

@@ -3,8 +3,7 @@
 // Some drivers end the loops of an invocation after a number of iterations in total (driver/loops.glsl), and a tile under a fine mesh
 // may take a large part of them, but few tiles do. With MOST_ITERATIONS a workgroup that has exceeded this budget leaves its other tiles to
 // a second dispatch of the same kernel, whose workgroups take one tile each. In, out: work, work_instances.
-#ifndef DEPTH_TILE_SEQUENCE_GLSL
-#define DEPTH_TILE_SEQUENCE_GLSL
+
 #include "common/work_lists.glsl"
 #include "driver/loops.glsl"
 
@@ -34,4 +33,3 @@ uvec2 tileRange() {
   uint first = min(workgroupNumber() * (second ? 1u : REPEAT), all);  // a dispatch in two dimensions may have more workgroups than work
   return uvec2(first, min(first + (second ? 1u : REPEAT), all));
 }
-#endif

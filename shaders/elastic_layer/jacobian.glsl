@@ -17,9 +17,7 @@ const float kWallSlope = 2.0;            // slope of depth beyond which there is
 
 // Height at a node, kNoHeight outside the nodes that were reached.
 float knownHeight(Surface surface, uvec2 node) {
-  uvec4 reached = surface.reached;
-  bool inside = node.x >= reached.x && node.x < reached.y && node.y >= reached.z && node.y < reached.w;  // -1 wraps to a large number
-  return inside ? heightAt(surface, node) : kNoHeight;
+  return isReached(surface, node) ? heightAt(surface, node) : kNoHeight;  // -1 wraps to a large number
 }
 
 // Distance along an axis between the centroids of the covered parts of a node's cell and the next one, m.
@@ -57,13 +55,6 @@ float overlapRate(Surface surface, Window window, uvec2 node, float shift, vec3 
 }
 
 vec4 pressedOver(Window window, uvec2 at) { return whereAbove(readStrip(window, kLayerPressure, at), 0.0); }
-
-// Makes the nodes in contact the sources.
-void addPressedSources(Window window) {
-  clearSources();
-  FOR_EACH_STRIP(window, if (sumOf(pressedOver(window, at)) > 0.0) addSource(at))
-  workgroupBarrierWithBuffers();
-}
 
 // Stores the rates of the cells of a strip for storedRate(). Returns the sum over the nodes of pressure times the velocity of the centroid.
 vec2 storeCellRates(Surface surface, Window window, uvec2 at, float shift, vec3 v, vec3 w) {
@@ -117,16 +108,14 @@ float beginRates(Surface surface, Window window, uvec2 at, float shift, vec3 v, 
   return dot(rate, weighted(window, at, rate));
 }
 
-void beginDirection(Window window, uvec2 at) {
-  writeStrip(window, kLayerTarget, at, vec4(0));
-  writeStrip(window, kLayerDirection, at, weighted(window, at, readStrip(window, kLayerResidual, at)));
-}
-
 // Starts at dp = 0: the residual is the rate of the overlap over the nodes in contact. Returns the squared residual.
 float beginRates(Surface surface, Window window, float shift, vec3 v, vec3 w) {
   REDUCE_STRIPS(window, vec4(0), sums.x += beginRates(surface, window, at, shift, v, w))
   float squares = sumOfPartials(window.num_parts).x;
-  FOR_EACH_STRIP(window, beginDirection(window, at))
+  FOR_EACH_STRIP(window, {
+    writeStrip(window, kLayerTarget, at, vec4(0));
+    writeStrip(window, kLayerDirection, at, weighted(window, at, readStrip(window, kLayerResidual, at)));
+  })
   workgroupBarrierWithBuffers();
   return squares;
 }
@@ -152,19 +141,16 @@ float stepRates(Window window, uvec2 at, float step_length) {
   return dot(residual, weighted(window, at, residual));
 }
 
-void turnDirection(Window window, uvec2 at, float beta) {
-  vec4 residual = weighted(window, at, readStrip(window, kLayerResidual, at));
-  vec4 direction = residual + readStrip(window, kLayerDirection, at) * beta;
-  writeStrip(window, kLayerDirection, at, direction);
-}
-
 // One iteration; takes and returns the squared residual.
 float iterateRates(Window window, float squared_residual) {
   float curvature = applyToRates(window);
   float step_length = curvature > 0.0 ? squared_residual / curvature : 0.0;
   REDUCE_STRIPS(window, vec4(0), sums.x += stepRates(window, at, step_length))
   float squares = sumOfPartials(window.num_parts).x;
-  FOR_EACH_STRIP(window, turnDirection(window, at, squares / squared_residual))
+  FOR_EACH_STRIP(window, {
+    vec4 residual = weighted(window, at, readStrip(window, kLayerResidual, at));
+    writeStrip(window, kLayerDirection, at, residual + readStrip(window, kLayerDirection, at) * (squares / squared_residual));
+  })
   workgroupBarrierWithBuffers();
   return squares;
 }
@@ -214,7 +200,9 @@ void writeJacobian(uint instance, Surface surface, Window window, float shift, f
   mat3 R_PS = mat3(sensor.X_SC_row0.xyz, sensor.X_SC_row1.xyz, sensor.X_SC_row2.xyz);
   vec3 origin = vec3(sensor.X_SC_row0.w, sensor.X_SC_row1.w, sensor.X_SC_row2.w);
   workgroupBarrierWithBuffers();
-  addPressedSources(window);
+  clearSources();  // the nodes in contact become the sources
+  FOR_EACH_STRIP(window, if (sumOf(pressedOver(window, at)) > 0.0) addSource(at))
+  workgroupBarrierWithBuffers();
   for (uint c = 0; c < 6; ++c) {
     // The objects' motion relative to the sensor under unit twist c of the sensor, about the origin of P.
     vec3 v = vec3(0), w = vec3(0);

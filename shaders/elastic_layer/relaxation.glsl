@@ -59,15 +59,12 @@ float lowerTargetsByDents(SkinStep step, Window window) {
   return largestOfPartials(window.num_parts);
 }
 
-vec4 dentComplianceAfter(vec4 then, vec4 dent, vec4 now, vec4 pressure) {
-  return mix(then, (dent * then + pressure * now) / (dent + pressure), greaterThan(pressure, vec4(0)));
-}
-
 // Updates the compliance of the dents of a strip, which are `dent` before the pressures act.
 void updateDentCompliance(SkinStep step, uint layer_start, uvec2 at, vec4 dent) {
   vec4 then = vec4(0), now = readStrip(layer_start, kLayerCompliance, at), pressure = readStrip(layer_start, kLayerPressure, at);
   if (!step.is_new) then = readStrip(layer_start, kLayerDentCompliance, at);
-  writeStrip(layer_start, kLayerDentCompliance, at, dentComplianceAfter(then, dent, now, pressure));
+  vec4 mean = (dent * then + pressure * now) / (dent + pressure);
+  writeStrip(layer_start, kLayerDentCompliance, at, mix(then, mean, greaterThan(pressure, vec4(0))));
 }
 
 void updateSkin(SkinStep step, uint layer_start, uvec2 at) {

@@ -13,14 +13,8 @@ struct Shear {
   vec3 torque;  // about P's origin, in P, N m
 };
 
-// The rectangle of nodes that have a state: first row, end row, first col, end col.
-uvec4 readStateWindow(uint start) { return uvec4(friction_state[start], friction_state[start + 1]); }
-
-void writeStateWindow(uint start, uvec4 window) {
-  friction_state[start] = window.xy;
-  friction_state[start + 1] = window.zw;
-}
-
+// Index of the friction state of an instance: the rectangle of nodes that have a state (first row, end row; first col, end col), then
+// nodes.
 uint frictionStart(uint instance) { return instance * (kFrictionHeader + NODE_ROWS * NODE_COLS); }
 uint shearState(uint instance, uvec2 node) { return frictionStart(instance) + kFrictionHeader + node.x * NODE_COLS + node.y; }
 
@@ -47,7 +41,8 @@ uvec4 pressedNodes(Window window) {
 // objects along z of S in this step, m. `node_force`: force of a node under the pressure 1, N.
 Shear shearNodes(uint instance, uint num_slots, Surface surface, uint layer_start, uvec4 pressed, float shift, float moved_z,
                  float node_force) {
-  uvec4 state_window = readStateWindow(frictionStart(instance));
+  uint start = frictionStart(instance);
+  uvec4 state_window = uvec4(friction_state[start], friction_state[start + 1]);
   Affine X_PS = inverseOf(Affine(sensor.X_SC_row0, sensor.X_SC_row1, sensor.X_SC_row2));
   Motion only_motion = loadMotions(instance, num_slots, moved_z, X_PS);
   uvec2 first = pressed.xz, count = pressed.yw - first;
@@ -75,6 +70,9 @@ Shear shearNodes(uint instance, uint num_slots, Surface surface, uint layer_star
   Shear shear;
   shear.torque = sumOfPartials(LANES).xyz * nodeArea();
   shear.force = sumOfPartialShears() * nodeArea();
-  if (gl_LocalInvocationIndex == 0) writeStateWindow(frictionStart(instance), pressed);
+  if (gl_LocalInvocationIndex == 0) {
+    friction_state[start] = pressed.xy;
+    friction_state[start + 1] = pressed.zw;
+  }
   return shear;
 }

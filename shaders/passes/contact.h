@@ -1,4 +1,4 @@
-// Contact pass, contact.comp. Its other constants are in passes/depth.h.
+// Contact pass, contact.comp, after passes/depth.h.
 
 CONSTANT(24, bool, HAS_STATE)     // the law needs the depth of the step before
 CONSTANT(25, bool, SCALED)        // sources near a border give more to the taxels that are there, readout/spread.glsl
@@ -27,30 +27,15 @@ CONSTANT(47, bool, SELECTS_KINDS)         // processes only the instances whose 
 CONSTANT(48, uint, MOST_ITERATIONS)       // iterations after which a workgroup leaves its other tiles to a second dispatch; 0: never
 CONSTANT(49, bool, OUTPUT_WRENCH_CHANGE)  // with OUTPUT_JACOBIAN, writes tile_changes, from which the wrench's derivatives follow
 
-TEXELS(0, Poses)
-TEXELS(1, Instances)
-UNIFORM(2, Step)
-TEXELS(3, Objects)
-TEXELS(4, Groups)
-TEXELS(5, Clusters)
-TEXELS(6, Quads)
-TEXELS(7, Patches)
-BUFFER(8, readonly, Tiles)
-TEXELS(9, SpreadScale)
-BUFFER(10, readwrite, State)
-BUFFER(11, writeonly, ContactNormal)
-BUFFER(12, writeonly, ContactDepth)
-BUFFER(13, readwrite, TileResults)
-BUFFER(14, readwrite, Loads)
-BUFFER(15, writeonly, Problems)
-TEXELS(16, Faces)
-TEXELS(17, Motions)
-TEXELS(18, PastState)
-BUFFER(19, writeonly, ContactShear)
-BUFFER(20, writeonly, ContactCells)
-BUFFER(21, writeonly, TileChanges)
-BUFFER(22, readonly, Candidates)
-TEXELS(23, CandidateQuads)
-BUFFER(24, readwrite, Work)
-BUFFER(25, readwrite, WorkInstances)
-TEXELS(26, ResultFours)
+TEXELS(15, SpreadScale)
+BUFFER(16, readwrite, State)
+TEXELS(17, PastState)
+TEXELS(18, Motions)
+BUFFER(19, writeonly, ContactNormal)
+BUFFER(20, writeonly, ContactShear)
+BUFFER(21, writeonly, ContactDepth)
+BUFFER(22, readwrite, TileResults)
+TEXELS(23, ResultFours)
+BUFFER(24, readwrite, Loads)
+BUFFER(25, writeonly, ContactCells)
+BUFFER(26, writeonly, TileChanges)

@@ -1,4 +1,4 @@
-// Stage 1, shared by the contact pass and the heights pass: which surfaces a tile sees, and how.
+// Stage 1, shared by the contact pass and the heights pass: which surfaces a tile sees, and how. Their own lists go on.
 
 VALUE(kNoSearch, 0)         // no instance is driven by load
 VALUE(kSearchInTile, 1)     // the search runs over the one tile, in the pass or in the elastic layer after it
@@ -18,3 +18,19 @@ CONSTANT(20, uint, LIST)              // instances that are processed: kListWhol
 CONSTANT(21, bool, AREA)              // the depth of a sample is the mean over its cell, depth/area/cell_depths.glsl
 CONSTANT(22, bool, VARIATION)         // with AREA: cells know how the depth varies within them
 CONSTANT(23, bool, KEEPS_SLOTS)       // words of samples hold the slot of their object, for friction with several objects
+
+TEXELS(0, Poses)
+TEXELS(1, Instances)
+UNIFORM(2, Step)
+TEXELS(3, Objects)
+TEXELS(4, Groups)
+TEXELS(5, Clusters)
+TEXELS(6, Quads)
+TEXELS(7, Faces)
+TEXELS(8, Patches)
+BUFFER(9, readonly, Tiles)
+BUFFER(10, readonly, Candidates)
+TEXELS(11, CandidateQuads)
+BUFFER(12, readwrite, Work)
+BUFFER(13, readwrite, WorkInstances)
+BUFFER(14, writeonly, Problems)

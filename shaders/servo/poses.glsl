@@ -1,5 +1,42 @@
-// Poses and twists in double precision: the operations of src/base/pose_inline.h and src/control/twist.h in the same order, hence the same
-// bits.
+// Sine and cosine, poses and twists, and the record of an object's pose for the next frame, in double precision: the operations of
+// src/base/sin_cos.h, src/base/pose_inline.h, src/control/twist.h and src/simulation/near_slots.cpp in the same order, hence the same bits.
+// In: objects, servo_loop.
+
+// `angle`: rad, up to kLargestReducedAngle.
+void sinCos(double angle, out double sine_out, out double cosine_out) {
+  const double kRound = 6755399441055744.0lf;
+  const double kTwoOverPi = 0.6366197723675814lf;
+  const double kFirst = 1.5707963267341256lf, kSecond = 6.077100506303966e-11lf, kThird = 2.0222662487959506e-21lf;
+  double quarters = (angle * kTwoOverPi + kRound) - kRound;
+  double near = angle - quarters * kFirst;
+  double nearer = near - quarters * kSecond;
+  double left_over = (near - nearer) - quarters * kSecond;
+  double last = quarters * kThird - left_over;
+  double x = nearer - last;
+  double low = (nearer - x) - last;
+  double z = x * x;
+  double sine_sum =
+      -1.0lf / 6.0lf +
+      z * (1.0lf / 120.0lf + z * (-1.0lf / 5040.0lf +
+                                  z * (1.0lf / 362880.0lf + z * (-1.0lf / 39916800.0lf +
+                                                                 z * (1.0lf / 6227020800.0lf + z * (-1.0lf / 1307674368000.0lf +
+                                                                                                    z * (1.0lf / 355687428096000.0lf)))))));
+  double cosine_sum =
+      1.0lf / 24.0lf +
+      z * (-1.0lf / 720.0lf +
+           z * (1.0lf / 40320.0lf + z * (-1.0lf / 3628800.0lf +
+                                         z * (1.0lf / 479001600.0lf + z * (-1.0lf / 87178291200.0lf + z * (1.0lf / 20922789888000.0lf))))));
+  double half_z = 0.5lf * z;
+  double most = 1.0lf - half_z;
+  double sine = x + (x * z * sine_sum + low * most);
+  double cosine = most + (((1.0lf - most) - half_z) + (z * z * cosine_sum - x * low));
+
+  int quadrant = int(quarters) & 3;
+  bool swaps = (quadrant & 1) != 0;
+  double s = swaps ? cosine : sine, c = swaps ? sine : cosine;
+  sine_out = quadrant >= 2 ? -s : s;
+  cosine_out = quadrant == 1 || quadrant == 2 ? -c : c;
+}
 
 struct Pose {
   dvec3 position;
@@ -76,4 +113,25 @@ Pose exponential(dvec3 v, dvec3 w, double dt) {
   dvec3 once = crossOf(rotation, translation);
   dvec3 twice = crossOf(rotation, once);
   return Pose(translation + b * once + c * twice, dvec4(cosine, half_sinc * rotation.x, half_sinc * rotation.y, half_sinc * rotation.z));
+}
+
+// Whether all of the object is behind the skin, where it presses on nothing.
+bool isBehind(ObjectRecord object, PoseRecord X_SO) {
+  vec3 normal = servo_loop.behind.xyz;
+  vec3 n_O = X_SO.row0.xyz * normal.x + X_SO.row1.xyz * normal.y + X_SO.row2.xyz * normal.z;
+  vec3 p_SO = vec3(X_SO.row0.w, X_SO.row1.w, X_SO.row2.w), c = object.center.xyz, half_size = object.half_size.xyz;
+  float center =
+      servo_loop.origin.x + (normal.x * p_SO.x + normal.y * p_SO.y + normal.z * p_SO.z) + (n_O.x * c.x + n_O.y * c.y + n_O.z * c.z);
+  return center + (abs(n_O.x) * half_size.x + abs(n_O.y) * half_size.y + abs(n_O.z) * half_size.z) < servo_loop.behind.w;
+}
+
+PoseRecord poseRecord(uint object, Pose X_SO) {
+  Rows rotation = rotationMatrix(normalized(X_SO.rotation));
+  PoseRecord record;
+  record.row0 = vec4(vec3(rotation.row0), float(X_SO.position.x));
+  record.row1 = vec4(vec3(rotation.row1), float(X_SO.position.y));
+  record.row2 = vec4(vec3(rotation.row2), float(X_SO.position.z));
+  record.object = vec4(float(object), 0.0, 0.0, 0.0);
+  if (isBehind(objects[object], record)) record = PoseRecord(vec4(0), vec4(0), vec4(0), vec4(-1, 0, 0, 0));
+  return record;
 }

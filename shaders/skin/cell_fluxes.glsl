@@ -14,8 +14,7 @@
 // f' jumps at the border of the contact and at the skin's full thickness. Its mean over a sample's cell is used, with depths uniform about
 // d over a width that follows from the slope and the cell's size. This needs surfaces up to cellReach() over the skin. With area sampling
 // the covered share of a cell is known, and f is the mean over the cell.
-#ifndef SKIN_CELL_FLUXES_GLSL
-#define SKIN_CELL_FLUXES_GLSL
+
 #include "depth/tile_heights.glsl"
 #include "skin/law.glsl"
 
@@ -212,4 +211,3 @@ void writeChange(Tile tile, uint sum, vec3 change[6]) {
     tile_changes[sum * kTileChanges + 3 * k + 2] = change[k].z * tile.force_area;
   }
 }
-#endif

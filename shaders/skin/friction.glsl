@@ -13,8 +13,7 @@
 // for the shear traction (Pa, mean over the cell) under `pressure` (in the same unit) after the object, which covers a part `covered` of
 // the cell, has moved by `u` (m, along x and y of P) while a `share` of the step in contact. `sample_state` is kept between steps.
 // `per_dt`: 1 / the step's time, 1/s. Shared memory: 64 bytes per slot where an instance may touch several objects, and 8 LANES bytes.
-#ifndef SKIN_FRICTION_GLSL
-#define SKIN_FRICTION_GLSL
+
 #include "driver/arithmetic.glsl"
 #include "driver/workgroup.glsl"
 #include "common/transform.glsl"
@@ -122,4 +121,3 @@ vec2 shearTraction(inout uvec2 words, bool touches, uint slot, Motion only_motio
   words = mix(uvec2(kNoFrictionState, 0u), uvec2(withSlot(sample_state.x, slot), floatBitsToUint(sample_state.y)), bvec2(touches));
   return mix(vec2(0), q, bvec2(drags));
 }
-#endif

@@ -2,7 +2,6 @@
 // springs or bristles. Pressures in Pa, depths in m. Reference: src/reference/contact.cpp, cell_points.cpp, friction.cpp, lugre.cpp.
 #ifndef SKIN_LAW_GLSL
 #define SKIN_LAW_GLSL
-#include "common/transform.glsl"
 #include "depth/tile.glsl"
 
 // ---- pressure = STIFFNESS d^EXPONENT + DAMPING d', never negative; include/taxelsim/sensor.h, Winkler ----

@@ -1,10 +1,8 @@
 // Load search over one tile: the depth of the lowest sample at which the tile carries a load, by Newton's method from full depth down.
 // Reference: src/reference/load.cpp.
 // Shared memory: 4 bytes.
-#ifndef SKIN_LOAD_SEARCH_GLSL
-#define SKIN_LOAD_SEARCH_GLSL
+
 #include "common/instances.glsl"
-#include "driver/workgroup.glsl"
 #include "depth/heights.glsl"
 #include "skin/law.glsl"
 #include "skin/sample_states.glsl"
@@ -84,18 +82,13 @@ Search searchLoad(Tile tile, TileSkin tile_skin, float load, uvec2 first, uvec2 
 
 // ---- search over tiles ----
 
-// Whether this dispatch processes the instance. One without an object is processed as if it had the first of the model.
-bool hasKind(uint instance) {
-  if (!SELECTS_KINDS) return true;
-  return (OBJECT_KINDS & (1u << objectOf(max(objectInSlot(instance), 0)).kind_groups.x)) != 0;
-}
-
 // Loads a tile. False when the load search of its instance has ended, and for an instance that is held or of another dispatch: its results
-// stay.
+// stay. An instance without an object is processed as if it had the first of the model.
 bool beginTile(uint instance, uint tile_number, out Tile tile) {
   tile = loadTile(tile_number);
   tile.z_base = -THICKNESS;
-  if (isHeld(instance) || !hasKind(instance)) return false;
+  if (isHeld(instance)) return false;
+  if (SELECTS_KINDS && (OBJECT_KINDS & (1u << objectOf(max(objectInSlot(instance), 0)).kind_groups.x)) == 0) return false;
   if (RANDOM_SKIN) tile.force_area *= instanceRecord(instance).skin.x;
   if (SEARCH == kSearchInTile && (instanceRecord(instance).keys.w & kFlagLoadDriven) != 0) tile.z_limit = kNoHeight;
   if (SEARCH == kSearchOverTiles) {
@@ -110,4 +103,3 @@ bool beginTile(uint instance, uint tile_number, out Tile tile) {
   }
   return true;
 }
-#endif

@@ -6,9 +6,7 @@
 // row, first col, end col, of the tile); then NUM_STATES elements per taxel, row of samples and four samples. Samples outside of these
 // rectangles have no state. PastState is State. An invocation fetches the states of samples before it stores them, and no other invocation
 // stores them.
-#ifndef SKIN_SAMPLE_STATES_GLSL
-#define SKIN_SAMPLE_STATES_GLSL
-#include "driver/arithmetic.glsl"
+
 #include "driver/loops.glsl"
 #include "depth/tile.glsl"
 #include "skin/skin_step.glsl"
@@ -208,8 +206,7 @@ void updateRestOfSkin(Tile tile, TileSkin tile_skin, uvec2 first, uvec2 count) {
   writeRectangle(tile_skin.state, kReachedTaxels, reached);
 }
 
-// ---- all states of four samples ----
-
+// All states of four samples.
 struct SampleStates {
   SkinStates skin;
   ShearStates shear;
@@ -230,4 +227,3 @@ void writeStates(uint first, SampleStates states) {
   if (FRICTION) writeShears(first, states.shear);
   if (HAS_STATE) state[first + kDepthState] = states.depths;
 }
-#endif

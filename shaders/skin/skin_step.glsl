@@ -1,6 +1,5 @@
 // Coefficients of one time step of a skin that relaxes, from StepRecord; the formulas are in skin/sample_states.glsl. Dimensionless.
-#ifndef SKIN_SKIN_STEP_GLSL
-#define SKIN_SKIN_STEP_GLSL
+
 struct SkinStep {
   float settled;  // equilibrium stiffness
   float gain;     // stiffness against strain that is added in this step
@@ -22,4 +21,3 @@ SkinStep skinStep(bool is_new) {
 }
 
 SkinStep noSkinStep() { return SkinStep(1.0, 1.0, vec4(0), vec4(0), vec4(0), true); }
-#endif

@@ -4,15 +4,11 @@
 // Out: contact_normal, contact_depth, contact_shear, contact_cells, tile_changes, tile_results; the state that friction and relaxation keep
 //      of the tile.
 // Shared memory: 8 bytes.
-#ifndef SKIN_TILE_OUTPUTS_GLSL
-#define SKIN_TILE_OUTPUTS_GLSL
-#include "driver/workgroup.glsl"
-#include "depth/tile_heights.glsl"
+
 #include "depth/tile_sequence.glsl"
 #include "skin/cell_fluxes.glsl"
 #include "skin/friction.glsl"
 #include "skin/load_search.glsl"
-#include "skin/sample_states.glsl"
 
 // Cosine to z of S. On a patch flatter than this, a surface below Tile::z_floor means that a load search has passed through the body.
 const float kLooksUp = 0.7;
@@ -26,12 +22,9 @@ struct ActiveTaxels {
 };
 
 ActiveTaxels activeTaxels(Box samples) {
-  ActiveTaxels taxels = ActiveTaxels(uvec2(0), uvec2(0));
-  if (isAny(samples)) {
-    taxels.first = uvec2(samples.first) / SAMPLES;
-    taxels.count = uvec2(samples.last) / SAMPLES + 1u - taxels.first;
-  }
-  return taxels;
+  bool is_any = isAny(samples);
+  uvec2 first = is_any ? uvec2(samples.first) / SAMPLES : uvec2(0), end = is_any ? uvec2(samples.last) / SAMPLES + 1u : uvec2(0);
+  return ActiveTaxels(first, end - first);
 }
 
 // Sums over the samples of a taxel.
@@ -185,4 +178,3 @@ uint listTiles(uint first, uint end) {
   workgroupBarrier();
   return num_listed_tiles;
 }
-#endif

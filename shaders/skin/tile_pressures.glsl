@@ -5,14 +5,7 @@
 // Out: contact_normal, contact_depth, contact_shear, contact_cells, tile_changes; partial sums of the wrench; num_deep and any_behind.
 // Shared memory: 4 bytes.
 // Reference: src/reference/contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp.
-#ifndef SKIN_TILE_PRESSURES_GLSL
-#define SKIN_TILE_PRESSURES_GLSL
-#include "driver/loops.glsl"
-#include "driver/workgroup.glsl"
-#include "depth/heights.glsl"
-#include "skin/cell_fluxes.glsl"
-#include "skin/friction.glsl"
-#include "skin/load_search.glsl"
+
 #include "skin/tile_outputs.glsl"
 
 // ---- touched taxels ----
@@ -339,4 +332,3 @@ void pressTaxels(Tile tile, TileStep step, ActiveTaxels taxels, inout Found foun
   if (deep > 0) atomicAdd(num_deep, deep);
   if (NUM_ROWS == 0 && found.below_floor && tile.X_PS.row2.z > kLooksUp) atomicOr(any_behind, 1u);
 }
-#endif

@@ -1,5 +1,5 @@
 // Sine and cosine of additions, multiplications and divisions of constants only, so that a device computes the same bits:
-// shaders/servo/sin_cos.glsl has the same operations in the same order. Within 1 ulp of the exact values.
+// shaders/servo/poses.glsl has the same operations in the same order. Within 1 ulp of the exact values.
 #pragma once
 
 #include <cmath>

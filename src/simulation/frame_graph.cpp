@@ -24,7 +24,7 @@ void recordContact(const Model::Impl& model, const BatchShape& shape, Recorder& 
   constexpr int kMinInstances = 256;
   const std::span<const std::uint32_t> kinds = model.data.object_kinds.passes;
   const bool divides = kinds.size() > 1 && shape.options.num_instances >= kMinInstances && !variant.depth.many_slots &&
-                       variant.depth.search == DepthConstants::kNoSearch;
+                       variant.depth.search == DepthInterface::kNoSearch;
   if (!divides) return model.contact.record(recorder, variant);
   const std::uint32_t list = variant.depth.list;
   for (const std::uint32_t mask : kinds) {
@@ -36,7 +36,7 @@ void recordContact(const Model::Impl& model, const BatchShape& shape, Recorder& 
 
 // Kernels of stage 1 with points.
 DepthVariant depthVariant(const BatchShape& shape, const FrameKind& kind) {
-  return {.search = kind.loads ? DepthConstants::kSearchInTile : DepthConstants::kNoSearch,
+  return {.search = kind.loads ? DepthInterface::kSearchInTile : DepthInterface::kNoSearch,
           .many_slots = kind.many_near,
           .keeps_slots = shape.options.num_slots > 1 && shape.hasFriction()};
 }
@@ -65,7 +65,7 @@ void recordLayer(const Model::Impl& model, const BatchShape& shape, Recorder& re
 // Evaluates the contact pass at the offsets of the search until it has ended.
 void recordSearchOverTiles(const Model::Impl& model, Recorder& recorder, ContactPass::Variant variant) {
   const bool with_jacobian = variant.with_jacobian;
-  variant.depth.search = DepthConstants::kSearchOverTiles;
+  variant.depth.search = DepthInterface::kSearchOverTiles;
   variant.with_jacobian = false;
   for (std::uint32_t evaluation = 0; evaluation < LoadSearchPass::kNumFrameEvaluations; ++evaluation) {
     model.contact.record(recorder, variant);
@@ -73,7 +73,7 @@ void recordSearchOverTiles(const Model::Impl& model, Recorder& recorder, Contact
   }
   // What the search leaves alone: the state of the samples and the Jacobian.
   if (model.data.hasFriction() || model.data.relaxes() || with_jacobian) {
-    variant.depth.search = DepthConstants::kSearchEnded;
+    variant.depth.search = DepthInterface::kSearchEnded;
     variant.with_jacobian = with_jacobian;
     model.contact.record(recorder, variant);
   }

@@ -1,8 +1,7 @@
 // Area sampling for the contact pass: the depth of a sample is the mean over the sample's cell of clamp(-z, 0, THICKNESS), where z is the
 // height of the lowest surface of an object. The object that is deepest on average has the cell.
 // Reference: src/reference/area_depth.cpp.
-#ifndef DEPTH_AREA_CELL_DEPTHS_GLSL
-#define DEPTH_AREA_CELL_DEPTHS_GLSL
+
 #include "depth/area/cell_sums.glsl"
 
 // How the depth varies over the covered part of a cell, on which its mean is `mean`: a vector, as two half floats. Its direction is the one
@@ -37,4 +36,3 @@ void giveCell(Tile tile, uint address, uint slot, CellSums sums, inout Found fou
   }
   if (VARIATION) cell_variations[address] = variationOf(tile, sums, depth / share);
 }
-#endif

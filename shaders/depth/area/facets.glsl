@@ -57,8 +57,6 @@ void addEdge(vec2 p, vec2 q, vec2 rates, inout EdgeSums sums) {
   sums.second.z -= width * (a + b) * (a * a + b * b) * (1.0 / 12.0) + (before.x + after.x) * (1.0 / 3.0);
 }
 
-// ---- facets ----
-
 // A triangle, or two in one plane, counter-clockwise in (u, v); z is the depth under the skin, m. A triangle has c twice.
 struct Facet {
   vec3 a, b, c, d;

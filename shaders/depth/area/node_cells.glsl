@@ -4,8 +4,7 @@
 // An edge of an object cuts a cell where the depth hardly varies over the covered part; where a smooth surface leaves the skin it varies
 // from 0. Only an edge makes a cell smaller: for a smooth surface the height in the middle of the cell is the better estimate.
 // Reference: src/reference/layer_cells.cpp.
-#ifndef DEPTH_AREA_NODE_CELLS_GLSL
-#define DEPTH_AREA_NODE_CELLS_GLSL
+
 #include "shared/elastic_layer.h"
 #include "depth/area/cell_sums.glsl"
 
@@ -43,4 +42,3 @@ void giveCell(Tile tile, uint address, uint slot, CellSums sums, inout Found fou
   cell_shares[address] = floatBitsToUint(share);
   cell_variations[address] = packedCentroid(sums, edge);
 }
-#endif

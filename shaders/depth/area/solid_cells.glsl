@@ -8,10 +8,7 @@
 //
 // Cells on the edge and cells with scan lines are listed first: a vector processor takes a branch with all its lanes.
 // Shared memory: 8 bytes.
-#ifndef DEPTH_AREA_SOLID_CELLS_GLSL
-#define DEPTH_AREA_SOLID_CELLS_GLSL
-#include "depth/solids.glsl"
-#include "depth/area/cell_sums.glsl"
+
 #include "depth/area/facets.glsl"
 
 // ---- facets of solids ----
@@ -46,19 +43,12 @@ void addRound(Tile tile, Solid solid, inout Found found) {
     vec2 from = vec2(cos(angle), sin(angle)), to = vec2(cos(next), sin(next));
     vec3 p = inCells(tile, solid, vec3(low_radius * from, low_z)), q = inCells(tile, solid, vec3(low_radius * to, low_z));
     vec3 r = inCells(tile, solid, vec3(radius * from, high_z)), s = inCells(tile, solid, vec3(radius * to, high_z));
+    // Counter-clockwise: (p, q, s), (p, s, r) of the flank; (high, r, s), (low, q, p) of the ends.
+    vec3 a = which == 2u ? high : p, b = which == 1u ? s : r, c = which == 1u ? r : s;
+    if (which == 3u) a = low, c = p;
+    if (which == 0u || which == 3u) b = q;
     Facet facet;
-    bool looks_down = facetOf(which == 2u   ? high
-                              : which == 3u ? low
-                                            : p,
-                              which == 0u || which == 3u ? q
-                              : which == 1u              ? s
-                                                         : r,
-                              which < 1u    ? s
-                              : which == 1u ? r
-                              : which == 2u ? s
-                                            : p,
-                              facet);
-    if (looks_down) addFacet(tile, facet, found);
+    if (facetOf(a, b, c, facet)) addFacet(tile, facet, found);
   }
   checkLoop(i < 4u * kSides);
 }
@@ -389,4 +379,3 @@ void addSolid(Tile tile, Solid solid, uint slot, inout Found found) {
   } while (start < count);
   grow(found.samples, band.box);
 }
-#endif

@@ -8,7 +8,7 @@ namespace taxelsim {
 
 void ContactPass::record(Recorder recorder, Variant variant) const {
   const DepthVariant& depth = variant.depth;
-  variant.leaves_tiles = depth.search == DepthConstants::kNoSearch && (tiles_.kindsOf(depth) & (1u << layout::kKindMesh)) != 0 &&
+  variant.leaves_tiles = depth.search == DepthInterface::kNoSearch && (tiles_.kindsOf(depth) & (1u << layout::kKindMesh)) != 0 &&
                          tiles_.leavesTiles(recorder.num_instances);
   if (model_.hasMask()) recorder.bindings.redirect<block::SpreadScale, block::MaskScale>();
   recorder.bindings.redirect<block::PastState, block::State>();
@@ -29,12 +29,12 @@ ContactPass::Kernel ContactPass::makeKernel(const Variant& variant) const {
   const bool taxels_follow = std::any_of(law.taxel_passes.begin(), law.taxel_passes.end(),
                                          [](const TaxelPass& pass) { return pass.owner != TaxelPass::Owner::kTile; });
   // A search over tiles leaves the state of the samples alone under friction or relaxation; its last evaluation, kSearchEnded, updates it.
-  const bool only_searches = model_.hasFriction() && variant.depth.search == DepthConstants::kSearchOverTiles;
+  const bool only_searches = model_.hasFriction() && variant.depth.search == DepthInterface::kSearchOverTiles;
   const bool friction = model_.hasFriction() && !only_searches;
   DepthVariant depth = variant.depth;
   depth.keeps_slots = depth.keeps_slots && friction;
   const ContactInterface constants{
-      .depth = tiles_.depthConstants(depth, depth.area && (friction || law.parameters[1] != 1)),
+      .depth = tiles_.depthInterface(depth, depth.area && (friction || law.parameters[1] != 1)),
       .HAS_STATE = law.has_state && !only_searches,
       .SCALED = model_.hasMask() ? model_.packed.one_grid : model_.packed.scalesSpread() && !taxels_follow,
       .OUTPUT_DEPTH = variant.with_depth,

@@ -24,23 +24,28 @@ struct CommonConstants {
 #include "passes/common.h"
 };
 
-struct DepthConstants {
+struct DepthInterface {
 #include "passes/depth.h"
 };
 
+// A pass that computes stage 1: its list goes on from that of DepthInterface.
+#define TAXELSIM_AFTER_DEPTH                                               \
+  DepthInterface depth;                                                    \
+  template <typename Id>                                                   \
+  static auto constantAt(Id id)->decltype(DepthInterface::constantAt(id)); \
+  template <typename Id>                                                   \
+  static auto blockAt(Id id)->decltype(DepthInterface::blockAt(id));
+
 struct ContactInterface {
-  DepthConstants depth;
-  template <typename Id>
-  static auto constantAt(Id id) -> decltype(DepthConstants::constantAt(id));
+  TAXELSIM_AFTER_DEPTH
 #include "passes/contact.h"
 };
 
 struct HeightsInterface {
-  DepthConstants depth;
-  template <typename Id>
-  static auto constantAt(Id id) -> decltype(DepthConstants::constantAt(id));
+  TAXELSIM_AFTER_DEPTH
 #include "passes/heights.h"
 };
+#undef TAXELSIM_AFTER_DEPTH
 
 struct KeepCandidatesInterface {
 #include "passes/keep_candidates.h"

@@ -110,7 +110,7 @@ PassSizes TilePlan::sizesOf(const DepthVariant& variant, bool leaves_tiles) cons
   PassSizes sizes = sizes_;
   if (variant.kinds != 0 && variant.list == layout::kNumLists) sizes.repeat = repeatFor(variant.kinds);
   if (leaves_tiles) sizes.repeat = mostInSequence();
-  if (variant.search == DepthConstants::kSearchInTile) sizes.repeat = 1;
+  if (variant.search == DepthInterface::kSearchInTile) sizes.repeat = 1;
   return sizes;
 }
 
@@ -119,7 +119,7 @@ std::uint32_t TilePlan::kindsOf(const DepthVariant& variant) const {
   return variant.kinds != 0 ? variant.kinds : model_.object_kinds.kinds;
 }
 
-DepthConstants TilePlan::depthConstants(const DepthVariant& variant, bool variation) const {
+DepthInterface TilePlan::depthInterface(const DepthVariant& variant, bool variation) const {
   return {.TILE_SAMPLES = model_.contact_packed.max_tile_samples,
           .FLAT = model_.contact_packed.flat,
           .SEARCH = variant.search,

@@ -14,7 +14,7 @@ std::uint32_t maxTileSamples(const DeviceInfo& info, bool area, bool variation);
 
 // The part of a kernel that finds depths.
 struct DepthVariant {
-  std::uint32_t search = DepthConstants::kNoSearch;
+  std::uint32_t search = DepthInterface::kNoSearch;
   std::uint32_t list = layout::kNumLists;                 // instances that it processes, kList...; kNumLists: all
   std::uint32_t kinds = 0;                                // bit per kind of object that it processes; 0: all of the model
   bool many_slots = false;                                // several objects may be near an instance
@@ -41,7 +41,7 @@ class TilePlan {
   // Kinds of the objects that a dispatch processes.
   std::uint32_t kindsOf(const DepthVariant& variant) const;
   // `variation`: VARIATION of shaders/passes/depth.h.
-  DepthConstants depthConstants(const DepthVariant& variant, bool variation) const;
+  DepthInterface depthInterface(const DepthVariant& variant, bool variation) const;
 
   // Dispatches a kernel over the instances of a list; layout::kNumLists: over all.
   template <typename Interface>
