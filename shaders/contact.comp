@@ -5,7 +5,7 @@
 //
 // A workgroup owns REPEAT tiles in sequence; tile number = instance NUM_TILES + tile of the sensor. An invocation owns boxes, then quads,
 // then taxels.
-// In:  poses (num_instances x those of the step), objects, groups, clusters, quads of triangles, faces, the sensor's patches and tiles.
+// In:  poses (num_instances x poses of the step), objects, groups, clusters, quads of triangles, faces, the sensor's patches and tiles.
 // Out: contact_normal (num_instances x num_taxels), N, divided by the part of the spread's kernel that stays on the sensor; contact_shear
 //      (num_instances x num_taxels x 2), N, divided as well; contact_depth (num_instances x num_taxels), m; tile_results (num_instances x
 //      num_tiles); loads (num_instances); contact_cells (num_instances x num_taxels), tile_changes (num_instances x num_tiles x LANES),

@@ -13,7 +13,7 @@
 // visited.
 // In:  heights (num_instances x num_nodes), m, with slots in their lowest bits (depth/slots.glsl), and windows (num_instances x
 //      NUM_HEIGHT_TILES), from the heights pass, with area sampling node_cells (num_instances x num_nodes x kNodeCellWords); influence
-//      (node rows x 2 strips of a row, elastic_layer/influence.glsl); with friction motions (num_instances x those of the step).
+//      (node rows x 2 strips of a row, elastic_layer/influence.glsl); with friction motions (num_instances x motions of the step).
 // Out: contact_normal (num_instances x num_taxels), N; contact_shear (num_instances x num_taxels x 2), N; contact_depth (num_instances x
 //      num_taxels), m; tile_results (num_instances); loads (num_instances); features of the solution; with OUTPUT_JACOBIAN taxel_jacobian
 //      (num_instances x 6 x num_taxels), N/m and N/rad, and wrench_jacobian (num_instances x 6 x 6).

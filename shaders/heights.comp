@@ -7,10 +7,9 @@
 // A workgroup owns REPEAT tiles in sequence; tile number = instance NUM_TILES + tile of the layer. An invocation owns boxes, then quads,
 // then nodes.
 // In:  poses (num_instances x poses of the step), objects, groups, clusters, quads of triangles, faces, the layer's patch and tiles.
-// Out: heights (num_instances x num_nodes), m, in P, with the slot in the lowest bits (depth/slots.glsl), kNoHeight without a surface; or
-// with
-//      AREA node_cells (num_instances x num_nodes x kNodeCellWords). windows (num_instances x NUM_TILES): the nodes under objects; with
-//      AREA together with those of the run before. Heights outside a window may be undefined on a layer of one tile.
+// Out: heights (num_instances x num_nodes), m, in P, with the slot in the lowest bits (depth/slots.glsl), kNoHeight without a surface; with
+//      AREA node_cells (num_instances x num_nodes x kNodeCellWords) instead. windows (num_instances x NUM_TILES): the nodes under objects,
+//      of both runs with AREA. Heights outside a window may be undefined on a layer of one tile.
 // Shared memory: 4 TILE_SAMPLES (17 with AREA, 25 with ONE_VECTOR or MANY_SLOTS, too) + 4 kClustersPerBatch + 4 GROUPS_PER_BATCH
 //      + 4 REPEAT + 56 bytes; ONE_VECTOR 16 NUM_FACES, AREA with meshes 4 kMostFacets.
 // Deterministic: the tile is a minimum of integers, which sum cells.

@@ -62,7 +62,7 @@ ImageSums readImage(Instance instance, Kernel kernel, Lag lag, uint lane, uint n
   return total;
 }
 
-// All teams execute the same barriers; a team without an instance of its own (`is_valid` false), or with one that is held, writes nothing.
+// All teams execute the same barriers; a team without an instance (`is_valid` false), or with a held one, writes nothing.
 void processInstance(uint number, bool is_valid, uint num_instances, Kernel kernel, Lag lag, uvec2 seed) {
   uint lane = gl_LocalInvocationIndex % TEAM;
   is_valid = is_valid && !isHeld(number);

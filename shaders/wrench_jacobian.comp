@@ -29,7 +29,7 @@ void writeWrench(uint instance, uint tile_number) {
         change[k] += vec3(tile_changes[first + 3 * k], tile_changes[first + 3 * k + 1], tile_changes[first + 3 * k + 2]);
     }
   }
-  Affine X_PS = patchPose(tiles[tile_number].place.x);
+  Affine X_PS = patchPose(tiles[tile_number].origin.x);
   vec3 origin = originInSensor(X_PS);
   for (uint k = 0; k < 6; ++k) {
     // Unit twist k of the sensor, moved to P.

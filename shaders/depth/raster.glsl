@@ -112,10 +112,11 @@ ivec2 spanOf(MeshView view, ivec2 top, ivec2 middle, ivec2 bottom, int row) {
 }
 
 void orderByU(inout Vertex first, inout Vertex second) {
-  if (first.at.x <= second.at.x) return;
-  Vertex swap = first;
-  first = second;
-  second = swap;
+  if (first.at.x > second.at.x) {
+    Vertex swap = first;
+    first = second;
+    second = swap;
+  }
 }
 
 void rasterBySpans(Tile tile, MeshView view, Vertex p, Vertex q, Vertex r, inout Found found) {

@@ -5,7 +5,7 @@
 // The planes of a polyhedron's faces over the patch are computed once per body.
 // Mutable globals, because arrays passed as arguments would be copied per sample: face_slopes, face_lows, face_highs, row_planes.
 // Shared memory: with ONE_VECTOR 16 NUM_FACES bytes.
-// Reference: src/reference/analytic.cpp, depth.cpp.
+// References: src/reference/analytic.cpp, depth.cpp.
 
 #include "depth/tile_heights.glsl"
 

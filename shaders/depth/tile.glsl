@@ -49,25 +49,25 @@ float cellReach(Tile tile) { return SAMPLES > 1 ? max(tile.spacing.x, tile.spaci
 // `number`: index of the tile in the sensor.
 Tile loadTile(uint number) {
   Tile tile;
-  uvec4 place = uvec4(0), size = uvec4(NUM_ROWS, NUM_COLS, 0, 0);
+  uvec4 origin = uvec4(0), size = uvec4(NUM_ROWS, NUM_COLS, 0, 0);
   if (NUM_TILES > 1 || NUM_ROWS == 0) {
-    place = tiles[number].place;
+    origin = tiles[number].origin;
     size = tiles[number].size;
   }
   tile.grid = uvec4(NUM_ROWS, NUM_COLS, 0, 0);
   tile.spacing = vec2(PITCH_X, PITCH_Y) / float(SAMPLES);
   tile.z_floor = 0.0;
   if (NUM_ROWS == 0) {
-    tile.grid = patchRecord(place.x).grid;
-    tile.spacing = patchRecord(place.x).spacing.xy;
-    tile.z_floor = -patchRecord(place.x).spacing.w;
+    tile.grid = patchRecord(origin.x).grid;
+    tile.spacing = patchRecord(origin.x).spacing.xy;
+    tile.z_floor = -patchRecord(origin.x).spacing.w;
   }
   tile.sample_area = tile.spacing.x * tile.spacing.y;
   tile.force_area = tile.sample_area;
   tile.X_PS = Affine(vec4(1, 0, 0, 0), vec4(0, 1, 0, 0), vec4(0, 0, 1, 0));
-  if (!FLAT) tile.X_PS = Affine(patchRecord(place.x).row0, patchRecord(place.x).row1, patchRecord(place.x).row2);
+  if (!FLAT) tile.X_PS = Affine(patchRecord(origin.x).row0, patchRecord(origin.x).row1, patchRecord(origin.x).row2);
   tile.corner = -0.5 * vec2(tile.grid.xy * SAMPLES - 1u) * tile.spacing;
-  tile.first_taxel = place.yz;
+  tile.first_taxel = origin.yz;
   tile.size = size.xy;
   tile.first = vec2(tile.first_taxel * SAMPLES);
   tile.end = tile.first + vec2(tile.size * SAMPLES);

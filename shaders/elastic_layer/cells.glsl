@@ -22,7 +22,7 @@ const float kLeastCompliance = 0.5;                   // bound for layers much t
 
 // The words of node_cells[], shared/elastic_layer.h.
 struct CellPart {
-  uint height;    // mean over what is covered, m, as bits, with the slot in the lowest ones
+  uint height;    // mean over the covered part, m, as bits, with the slot in the lowest ones
   float covered;  // share that is covered; 0: nothing touches, and the rest is undefined
   vec2 center;    // centroid, from the middle of the cell, in its widths
   float edge;     // how far an edge bounds the covered part, 0 to 1

@@ -81,8 +81,8 @@ vec2 storeCellRates(Surface surface, Window window, float shift, vec3 v, vec3 w)
   return sumOfPartials(window.num_parts).xy;
 }
 
-// The pressure at a node that a change of its compliance acts on: with the part of the dent that has the compliance of what is covered now.
-// Between a dent of a larger part and one of a smaller part there is a kink, at which half of the dent is taken.
+// The pressure at a node that a change of its compliance acts on: with the part of the dent that has the compliance of the part that is
+// covered now. Between a dent of a larger part and one of a smaller part there is a kink, at which half of the dent is taken.
 float pressureAt(Window window, uvec2 node) {
   float pressure = valueAt(window.layer_start, kLayerPressure, node);
   if (RELAXATION == 0) return pressure;

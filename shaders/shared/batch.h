@@ -90,7 +90,7 @@ struct LoadRecord {
 // ---- area sampling ----
 
 // A cell is at the full thickness of the skin if an object covers more than this share of it, with this part of the thickness as the mean
-// depth of what is covered.
+// depth of the covered part.
 TAXELSIM_FLOAT kLeastShareOfFull = 0.25f;
 TAXELSIM_FLOAT kFullDepth = 0.999f;
 

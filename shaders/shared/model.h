@@ -70,8 +70,8 @@ struct PatchRecord {
 
 // A rectangle of whole taxels that one workgroup computes.
 struct TileRecord {
-  uvec4 place;  // patch, first row, first col, 0
-  uvec4 size;   // rows, cols, 0, 0
+  uvec4 origin;  // patch, first row, first col, 0
+  uvec4 size;    // rows, cols, 0, 0
 };
 
 // One taxel.

@@ -12,7 +12,8 @@
 //   vec2 tractionAfter(inout vec2 sample_state, vec2 u, float share, float covered, float pressure, float per_dt)
 // for the shear traction (Pa, mean over the cell) under `pressure` (in the same unit) after the object, which covers a part `covered` of
 // the cell, has moved by `u` (m, along x and y of P) while a `share` of the step in contact. `sample_state` is kept between steps.
-// `per_dt`: 1 / the step's time, 1/s. Shared memory: 64 bytes per slot where an instance may touch several objects, and 8 LANES bytes.
+// `per_dt`: 1 / the step's time, 1/s.
+// Shared memory: 64 bytes per slot where an instance may touch several objects, and 8 LANES bytes.
 
 #include "driver/arithmetic.glsl"
 #include "driver/workgroup.glsl"

@@ -1,5 +1,6 @@
 // The contact law of the contact pass: normal pressure of an elastic foundation, pressure over the two points of a cell, and shear by
-// springs or bristles. Pressures in Pa, depths in m. Reference: src/reference/contact.cpp, cell_points.cpp, friction.cpp, lugre.cpp.
+// springs or bristles. Pressures in Pa, depths in m.
+// References: src/reference/contact.cpp, cell_points.cpp, friction.cpp, lugre.cpp.
 #ifndef SKIN_LAW_GLSL
 #define SKIN_LAW_GLSL
 #include "depth/tile.glsl"

@@ -1,6 +1,7 @@
-// Load search over one tile: the depth of the lowest sample at which the tile carries a load, by Newton's method from full depth down.
-// Reference: src/reference/load.cpp.
+// Load search over one tile: the depth of the lowest sample at which the tile carries a load, by Newton's method from full depth down; and
+// the trial offsets of a search over several tiles (load.comp).
 // Shared memory: 4 bytes.
+// Reference: src/reference/load.cpp.
 
 #include "common/instances.glsl"
 #include "depth/heights.glsl"
@@ -80,7 +81,7 @@ Search searchLoad(Tile tile, TileSkin tile_skin, float load, uvec2 first, uvec2 
   return found;
 }
 
-// ---- search over tiles ----
+// ---- search over tiles: a trial needs stage 1 and the law like every frame, so it is a variant of the pass and no module of its own ----
 
 // Loads a tile. False when the load search of its instance has ended, and for an instance that is held or of another dispatch: its results
 // stay. An instance without an object is processed as if it had the first of the model.

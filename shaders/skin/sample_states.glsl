@@ -1,5 +1,5 @@
-// State of samples between steps, in NUM_STATES words each: strain and overstresses of a skin that relaxes (below), the
-// shear of each of their points (skin/friction.glsl), and the depth for a law with damping.
+// State of samples between steps, in NUM_STATES words each: strain and overstresses of a skin that relaxes (below), shear of each of their
+// points (skin/friction.glsl), and the depth for a law with damping.
 //
 // Four samples of a row keep a word each in one element of four words: these are loaded at once (driver/texels.glsl). State of a tile: a
 // rectangle of taxels whose shear and depth the step before has stored; one of taxels that objects have reached since reset (first row, end

@@ -1,5 +1,5 @@
-// Outputs of the contact pass: of taxels, and of whole tiles, the result with force (N) and torque (N m) in S and the window of active
-// taxels. Tiles and taxels that no object is near are cleared.
+// Outputs of the contact pass: per taxel, and per tile the result with force (N) and torque (N m) in S and the window of active taxels.
+// Outputs of tiles and taxels without a near object are cleared.
 //
 // Out: contact_normal, contact_depth, contact_shear, contact_cells, tile_changes, tile_results; the state that friction and relaxation keep
 //      of the tile.

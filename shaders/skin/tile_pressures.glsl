@@ -4,7 +4,7 @@
 // In:  heights of the tile or of one solid (depth/heights.glsl).
 // Out: contact_normal, contact_depth, contact_shear, contact_cells, tile_changes; partial sums of the wrench; num_deep and any_behind.
 // Shared memory: 4 bytes.
-// Reference: src/reference/contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp.
+// References: src/reference/contact.cpp, relaxation.cpp, friction.cpp, lugre.cpp.
 
 #include "skin/tile_outputs.glsl"
 

@@ -20,7 +20,7 @@ uint variationOf(Tile tile, CellSums sums, float mean) {
 // Gives a cell to the object in a slot if that is the deepest.
 void giveCell(Tile tile, uint address, uint slot, CellSums sums, inout Found found) {
   float share = clamp(sums.covered, 1.0 / kCoveredUnits, 1.0);
-  // Surfaces of one object above each other share the cell. A lower level of the skin makes what is covered deeper.
+  // Surfaces of one object above each other share the cell. A lower level of the skin makes the covered part deeper.
   float depth = clamp(sums.volume / max(sums.covered, 1.0) + tile.level * share, 0.0, THICKNESS);
   uint word = depth > 0.0 ? wordOfDepth(depth, slot) : kEmpty;
   if (MANY_SLOTS) {

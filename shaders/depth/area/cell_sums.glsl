@@ -28,7 +28,7 @@ shared uint cell_squares[VARIATION ? TILE_SAMPLES : 1u];
 #ifdef ONE_VECTOR
 #extension GL_EXT_shader_atomic_int64 : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
-shared int64_t cell_volumes[AREA ? TILE_SAMPLES : 1u];       // and what is covered
+shared int64_t cell_volumes[AREA ? TILE_SAMPLES : 1u];       // and the covered share
 shared int64_t cell_moments[VARIATION ? TILE_SAMPLES : 1u];  // along x, and along y
 
 int64_t packedSums(ivec2 sums) { return packInt2x32(ivec2(sums.y, sums.x + (sums.y >> 31))); }
@@ -37,7 +37,7 @@ ivec2 unpackedSums(int64_t word) {
   return ivec2(words.y - (words.x >> 31), words.x);
 }
 
-// Volume and what is covered. `alone`: no two invocations add to one cell at a time.
+// Adds to volume and covered share. `alone`: no two invocations add to one cell at a time.
 void addVolume(uint address, ivec2 more, bool alone) {
   if (alone) {
     cell_volumes[address] += packedSums(more);
