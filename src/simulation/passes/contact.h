@@ -1,8 +1,6 @@
 // Contact pass, shaders/contact.comp: stages 1 (depth) and 2 (contact law) from poses of objects.
 #pragma once
 
-#include <cstdint>
-
 #include "simulation/model_data.h"
 #include "simulation/passes/kernel_cache.h"
 #include "simulation/passes/recorder.h"

@@ -1,4 +1,4 @@
-// Elastic layer, shaders/elastic_layer.comp: stage 2 of the globally coupled law, from the heights that the contact pass has written.
+// Elastic layer, shaders/elastic_layer.comp: stage 2 of the globally coupled law, from the heights that the heights pass has written.
 #pragma once
 
 #include "simulation/model_data.h"
