@@ -109,10 +109,10 @@ constexpr double kRegionTaxel = 3;               // region_bits.glsl, takeRegion
 constexpr double kFluxSample = 12 + 6 + 4 + 14;
 constexpr double kFluxRow = 40;                          // addRow(), per row of samples
 constexpr double kFluxTaxel = 15 + 15 + 28;              // addToChange(); writeCell(); taxel_jacobian.comp
-constexpr double kReadingTaxel = 4 + kPosition + 5 + 8;  // jacobian_taxels.glsl, readingOf(); jacobian_sums.glsl, addTaxel()
+constexpr double kReadingTaxel = 4 + kPosition + 5 + 8;  // jacobian_parts.glsl, readingOf(); jacobian_sums.glsl, addTaxel()
 // jacobian_sums.glsl, momentsBy(): nine receivers, position, weight 2, moments 13; addChanges(): 6 coordinates of 6 moments.
 constexpr double kJacobianTaxel = 9 * (kPosition + 2 + 13) + 6 * 6 * 2;
-constexpr double kJacobianRow = 6 * (20 + 15);     // jacobian_rows.glsl, changeOf(), writeChange()
+constexpr double kJacobianRow = 6 * (20 + 15);     // jacobian_sums.glsl, changeOf(), writeChange()
 constexpr double kJacobianBytes = 2 * 30 * kWord;  // shaders/shared/features.h, kNumJacobian, of the sensor and its patch
 
 // ---- elastic_layer ----

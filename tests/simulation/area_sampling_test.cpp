@@ -31,7 +31,7 @@ constexpr double kDt = 1e-3;           // s
 constexpr double facetError(double depth, double width) {
   return support::kMarginZ / depth + 4 * support::kShift / width;
 }
-// Eight scan lines per cell (shaders/depth/solid_cells.glsl) are the midpoint rule for the section of a contact that is W lines wide. Where
+// Eight scan lines per cell (depth/area/solid_cells.glsl) are the midpoint rule for the section of a contact that is W lines wide. Where
 // it ends like (W^2 - x^2)^(3/2) (a sphere), or like a parabola (a wire along the lines), the rule errs by less than 1 / W^2.
 constexpr double scanError(double width) {
   constexpr double kLine = 0.85e-3 / 8;  // m
