@@ -80,12 +80,12 @@ TriangleTree::TriangleTree(const Mesh& mesh) {
 
 // Splits at the median along the longest side of the centroids' bounding box. Ties are broken by index, so that the tree is deterministic.
 void TriangleTree::build(const Mesh& mesh, std::uint32_t first, std::uint32_t end) {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  constexpr float kFar = std::numeric_limits<float>::infinity();
   const auto sumAlong = [&](std::uint32_t triangle, std::size_t axis) {
     const TriangleCorners& corners = corners_[triangle];
     return corners[0][axis] + corners[1][axis] + corners[2][axis];
   };
-  Node node{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}, first, end - first};
+  Node node{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}, first, end - first};
   Vector3 low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};  // bounds of three times the centroids
   for (std::uint32_t i = first; i < end; ++i) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
