@@ -13,10 +13,10 @@
 namespace taxelsim::python {
 namespace {
 
-using Range = std::tuple<std::uint64_t, std::uint64_t>;
+using FirstAndEnd = std::tuple<std::uint64_t, std::uint64_t>;
 
 EvaluationPart runEvaluatePart(const DeviceHandle& device, const Scene& scene, const std::vector<std::string>& controllers,
-                               const Range& episodes, int batch_size, int num_slices, const nb::object& on_progress,
+                               const FirstAndEnd& episodes, int batch_size, int num_slices, const nb::object& on_progress,
                                const PolicyArgument& policy) {
   const auto run = [&](auto report, const std::atomic<bool>& stop, CallingThread& calling_thread) {
     return evaluatePart(device.get(), scene, controllers,
@@ -48,7 +48,7 @@ void bindEvaluationParts(nb::module_& module) {
                    })
       .def_prop_ro("episodes",
                    [](const EvaluationPart& self) {
-                     return Range{self.episodes.first, self.episodes.end};
+                     return FirstAndEnd{self.episodes.first, self.episodes.end};
                    })
       .def_ro("policy", &EvaluationPart::policy)
       .def_ro("device", &EvaluationPart::device)

@@ -37,7 +37,7 @@ nb::object filled(std::size_t num_episodes, std::size_t num_fingers, Value value
   return nb::ndarray<nb::numpy, Element>(values, num_fingers == 0 ? 1 : 2, shape, owner).cast();
 }
 
-nb::dict arraysOf(const GraspEvaluation& evaluation) {
+nb::dict graspArrays(const GraspEvaluation& evaluation) {
   const std::vector<GraspVerdict>& verdicts = evaluation.verdicts;
   nb::dict arrays;
   arrays["episode"] = filled<std::uint64_t>(verdicts.size(), 0, [&](auto i, auto) { return verdicts[i].episode; });
@@ -83,7 +83,7 @@ void bindGrasps(nb::module_& module) {
   nb::class_<GraspEvaluation>(module, "GraspEvaluation", "Evaluation of one gain of a grasp.")
       .def_ro("gain", &GraspEvaluation::gain, "1/s, gain of the force control.")
       .def_prop_ro(
-          "verdicts", [](const GraspEvaluation& self) { return arraysOf(self); },
+          "verdicts", [](const GraspEvaluation& self) { return graspArrays(self); },
           nb::sig("def verdicts(self) -> dict[str, numpy.typing.NDArray[typing.Any]]"),
           R"(Verdict of every episode, as a dict of arrays (num_episodes) or, by finger in the order of `fingers`, (num_episodes, num_fingers); a copy.
 
