@@ -12,6 +12,7 @@
 
 #include <algorithm>
 
+#include "sensor/fields.h"
 #include "structs.h"
 #include "taxelsim/sensor_hints.h"
 #include "without_gil.h"
@@ -33,10 +34,10 @@ void bindPatch(nb::module_& module) {
 
 Its frame P lies in the middle of the grid on the undeformed outer skin surface, z out of the skin towards the object. Row i runs along x,
 column j along y.)");
-  addCheckedFields(patch, kAskForUnits, field("name", &GridPatch::name, "Name in messages and data sets."),
-                   field("num_rows", &GridPatch::num_rows, "1 to 128."), field("num_cols", &GridPatch::num_cols, "1 to 128."),
-                   field("pitch", &GridPatch::pitch, "(2), m, > 0, along x and along y; the constructor takes one number for both."),
-                   field("X_SP", &GridPatch::X_SP, "Pose of the patch in the sensor frame S."));
+  addCheckedTables(
+      patch, kAskForUnits, std::tuple(field("name", &GridPatch::name, "Name in messages and data sets.")), fieldsOf<kGridPatchFields>(),
+      std::tuple(field("pitch", &GridPatch::pitch, "(2), m, > 0, along x and along y; the constructor takes one number for both."),
+                 field("X_SP", &GridPatch::X_SP, "Pose of the patch in the sensor frame S.")));
   module.def(
       "taxel_patch",
       [](const std::string& name, const Vector3& position, const Vector3& normal, const Argument<std::array<double, 2>>& size,
@@ -51,37 +52,25 @@ void bindLaws(nb::module_& module) {
   nb::class_<Winkler> winkler(module, "Winkler", R"(Contact law: elastic foundation.
 
 pressure = max(0, normal_contact_stiffness d^normal_exponent + normal_damping d') where the penetration d > 0.)");
-  addFields(winkler, field("normal_contact_stiffness", &Winkler::normal_contact_stiffness, "Pa / m^normal_exponent, > 0."),
-            field("normal_exponent", &Winkler::normal_exponent, "1 to 3."),
-            field("normal_damping", &Winkler::normal_damping, "Pa s / m, >= 0."));
+  addTables(winkler, fieldsOf<kWinklerFields>());
   nb::class_<MassSpringDamper> msd(
       module, "MassSpringDamper",
       "Contact law of SkinSim: each taxel is a mass on a spring and a damper, m x'' + damping x' + stiffness x = F.");
-  addFields(msd, field("normal_contact_stiffness", &MassSpringDamper::normal_contact_stiffness, "N/m^3, > 0, of the elastic foundation."),
-            field("mass", &MassSpringDamper::mass, "kg, > 0."), field("stiffness", &MassSpringDamper::stiffness, "N/m, > 0."),
-            field("damping", &MassSpringDamper::damping, "N s/m, >= 0."));
+  addTables(msd, fieldsOf<kMassSpringDamperFields>());
   nb::class_<DeformationMask> mask(module, "DeformationMask",
                                    "Contact law of RobWorkSim: a mask deforms the surface around each contact; cells saturate.");
-  addFields(mask, field("normal_contact_stiffness", &DeformationMask::normal_contact_stiffness, "N/m^3, > 0."),
-            field("saturation_pressure", &DeformationMask::saturation_pressure, "Pa, > 0."));
+  addTables(mask, fieldsOf<kDeformationMaskFields>());
   nb::class_<Proximity> proximity(module, "Proximity", "Contact law of Pezzementi et al.: a taxel reads sensitivity x mean depth x area.");
-  addFields(proximity, field("sensitivity", &Proximity::sensitivity, "N/m^3, > 0."));
+  addTables(proximity, fieldsOf<kProximityFields>());
 
   nb::class_<ElasticLayer> layer(module, "ElasticLayer", "Contact law: the skin as an elastic layer, solved on the device.");
   nb::enum_<ElasticLayer::Base>(layer, "Base", "Support of the layer.")
       .value("HALF_SPACE", ElasticLayer::Base::kHalfSpace, "Infinitely deep.")
       .value("BONDED", ElasticLayer::Base::kBonded, "As thick as the skin, bonded to a rigid base.");
-  addFields(layer, field("elastic_modulus", &ElasticLayer::elastic_modulus, "Pa, > 0."),
-            field("poisson_ratio", &ElasticLayer::poisson_ratio, "0 to 0.5."), field("base", &ElasticLayer::base, "Support."),
-            field("iterations", &ElasticLayer::iterations, "Largest number of solver iterations per frame, 1 to 1000."),
-            field("tolerance", &ElasticLayer::tolerance, "The solver stops at this contact_residual, 1e-5 to 0.1."));
+  addTables(layer, fieldsOf<kElasticLayerFields>(), std::tuple(field("base", &ElasticLayer::base, "Support.")),
+            fieldsOf<kLayerSolverFields>());
   nb::class_<LuGre> lugre(module, "LuGre", "Contact law of OpenGrasp: elastic foundation with LuGre friction.");
-  addFields(
-      lugre, field("normal_contact_stiffness", &LuGre::normal_contact_stiffness, "N/m^3, > 0."),
-      field("bristle_stiffness", &LuGre::bristle_stiffness, "1/m, > 0."), field("bristle_damping", &LuGre::bristle_damping, "s/m, >= 0."),
-      field("viscous_friction", &LuGre::viscous_friction, "s/m, >= 0."),
-      field("static_friction", &LuGre::static_friction, ">= coulomb_friction."),
-      field("coulomb_friction", &LuGre::coulomb_friction, "> 0."), field("stribeck_velocity", &LuGre::stribeck_velocity, "m/s, > 0."));
+  addTables(lugre, fieldsOf<kLuGreFields>());
 }
 
 void bindSkin(nb::module_& module) {
@@ -90,13 +79,11 @@ void bindSkin(nb::module_& module) {
             field("friction_coefficient", &Friction::friction_coefficient, "0 to 1000; 0: no shear."));
   nb::class_<RelaxationTerm> relaxation(
       module, "RelaxationTerm", "One term of the skin's viscoelastic relaxation: k(t) = k(0) [1 - sum fraction (1 - e^(-t / time))].");
-  addFields(relaxation, field("fraction", &RelaxationTerm::fraction, "0 to 1; the sum of all terms is < 1."),
-            field("time", &RelaxationTerm::time, "s, > 0."));
+  addTables(relaxation, fieldsOf<kRelaxationFields>());
   nb::class_<Skin> skin(module, "Skin", "The skin.");
-  addCheckedFields(skin, kAskForUnits, field("thickness", &Skin::thickness, "m, > 0; the deepest penetration."),
-                   field("law", &Skin::law, "Contact law."), field("friction", &Skin::friction, "Stick-slip friction."),
-                   field("margin", &Skin::margin, "m, >= 0, skin beyond the taxels; 0 unless the law is ElasticLayer."),
-                   field("relaxation", &Skin::relaxation, "0 to 4 terms."));
+  addCheckedTables(skin, kAskForUnits, fieldsOf<kSkinFields>(),
+                   std::tuple(field("law", &Skin::law, "Contact law."), field("friction", &Skin::friction, "Stick-slip friction.")),
+                   fieldsOf<kMarginFields>(), std::tuple(field("relaxation", &Skin::relaxation, "0 to 4 terms.")));
   module.def("max_depth_error_of", &maxDepthErrorOf, "skin"_a,
              "Bound of the simplification of meshes (m, max_depth_error of load_mesh()) at which pressures change by 4 kPa at most; at "
              "most 10 um.");
@@ -126,7 +113,7 @@ The default is no spread.)");
 
 void bindReadout(nb::module_& module) {
   nb::class_<CreepTerm> creep(module, "CreepTerm", "One term of the readout's creep: F [1 + sum fraction (1 - e^(-t / time))].");
-  addFields(creep, field("fraction", &CreepTerm::fraction, "Of the force, >= 0."), field("time", &CreepTerm::time, "s, > 0."));
+  addTables(creep, fieldsOf<kCreepFields>());
   nb::class_<CurvePoint> point(module, "CurvePoint", "A point of a piecewise linear readout curve.");
   addFields(point, field("force", &CurvePoint::force, "N, gain F - trigger."),
             field("counts", &CurvePoint::counts, "Counts before output_scale."));
@@ -141,26 +128,22 @@ counts[a] = clip(round(g sum_b gain[a][b] h_b(F[b]) + noise[a] n), -saturation, 
   nb::class_<Readout> readout(module, "Readout", R"(Electronics: force after the spread to counts, per taxel.
 
 x = gain F - trigger; y = sum of curve[m] x^(m+1); counts = clip(round(output_scale y / (1 + y / curve_limit) + noise), 0, saturation).)");
-  addFields(readout, field("curve", &Readout::curve, "counts / N^(m+1), 1 to 5 terms; increasing over the range used."),
-            field("curve_points", &Readout::curve_points, "Piecewise linear curve from (0, 0); replaces `curve`."),
-            field("curve_limit", &Readout::curve_limit, "Asymptote in counts; 0: none."),
-            field("output_scale", &Readout::output_scale, "> 0."),
-            derivedField("trigger", &Readout::trigger, &defaultTrigger, "N, smallest visible force; None: three deviations of noise."),
-            field("adc_bits", &Readout::adc_bits, "1 to 16."), field("saturation", &Readout::saturation, "Counts, 1 to 2^adc_bits - 1."),
-            field("noise", &Readout::noise, "Counts, >= 0, standard deviation of white noise per frame and taxel."),
-            field("taxel_gain", &Readout::taxel_gain, "(num_taxels), >= 0; empty: 1."),
-            field("taxel_trigger", &Readout::taxel_trigger, "(num_taxels), N; empty: `trigger`."),
-            field("calibrated_gain", &Readout::calibrated_gain, "(num_taxels), >= 0, by which ridge_edge_angle divides; empty: 1."),
-            field("three_axis", &Readout::three_axis, "Electronics for shear, or None. Needs a skin with friction."),
-            field("hysteresis_strength", &Readout::hysteresis_strength, "(num_elements), each >= 0, sum < 1."),
-            field("hysteresis_width", &Readout::hysteresis_width, "(num_elements), N, >= 0."),
-            field("creep", &Readout::creep, "0 to 4 terms."), field("low_pass_time", &Readout::low_pass_time, "s, >= 0."),
-            field("delay", &Readout::delay, "s, 0 to 32 steps."), field("jitter", &Readout::jitter, "s, 0 to 1 / frame_rate."),
-            field("bias", &Readout::bias, "Counts, standard deviation over taxels and episodes."),
-            field("random_walk", &Readout::random_walk, "Counts / sqrt(s), of an offset per taxel that drifts from 0."),
-            field("gain_spread", &Readout::gain_spread, "0 to 2, standard deviation of log gain per taxel and episode."),
-            field("press_gain_spread", &Readout::press_gain_spread, "0 to 2, the same of a gain common to all taxels."),
-            field("dead_taxel_probability", &Readout::dead_taxel_probability, "0 to 1."));
+  addTables(
+      readout,
+      std::tuple(field("curve", &Readout::curve, "counts / N^(m+1), 1 to 5 terms; increasing over the range used."),
+                 field("curve_points", &Readout::curve_points, "Piecewise linear curve from (0, 0); replaces `curve`."),
+                 field("curve_limit", &Readout::curve_limit, "Asymptote in counts; 0: none."), tableField<kOutputFields, 0>(),
+                 derivedField("trigger", &Readout::trigger, &defaultTrigger, "N, smallest visible force; None: three deviations of noise."),
+                 tableField<kOutputFields, 2>(), field("saturation", &Readout::saturation, "Counts, 1 to 2^adc_bits - 1.")),
+      fieldsOf<kNoiseFields>(),
+      std::tuple(field("taxel_gain", &Readout::taxel_gain, "(num_taxels), >= 0; empty: 1."),
+                 field("taxel_trigger", &Readout::taxel_trigger, "(num_taxels), N; empty: `trigger`."),
+                 field("calibrated_gain", &Readout::calibrated_gain, "(num_taxels), >= 0, by which ridge_edge_angle divides; empty: 1."),
+                 field("three_axis", &Readout::three_axis, "Electronics for shear, or None. Needs a skin with friction."),
+                 field("hysteresis_strength", &Readout::hysteresis_strength, "(num_elements), each >= 0, sum < 1."),
+                 field("hysteresis_width", &Readout::hysteresis_width, "(num_elements), N, >= 0."),
+                 field("creep", &Readout::creep, "0 to 4 terms.")),
+      fieldsOf<kTimeFields>(), fieldsOf<kImperfectionFields>());
 }
 
 // (num_taxels, 3), an array of its own.
@@ -175,12 +158,13 @@ void bindModelOfSensor(nb::module_& module) {
       .value("POINT", DepthSampling::kPoint, "The depth at the middle of its cell.")
       .value("AREA", DepthSampling::kArea, "The mean depth over its cell.");
   nb::class_<Sensor> sensor(module, "Sensor", "A sensor model: taxels on patches, the skin above them, the electronics that read them.");
-  addFields(sensor, field("name", &Sensor::name, "Name in messages and data sets."),
-            field("patches", &Sensor::patches, "Patches, at least one."),
-            field("samples_per_taxel", &Sensor::samples_per_taxel, "Samples per side of a taxel, 1 to 16."),
-            field("depth_sampling", &Sensor::depth_sampling, "Depth of a sample."), field("skin", &Sensor::skin, "Skin."),
-            field("psf", &Sensor::psf, "Point spread function."), field("readout", &Sensor::readout, "Electronics."),
-            field("frame_rate", &Sensor::frame_rate, "Hz, > 0; 0: a frame at every step."));
+  addTables(sensor,
+            std::tuple(field("name", &Sensor::name, "Name in messages and data sets."),
+                       field("patches", &Sensor::patches, "Patches, at least one.")),
+            fieldsOf<kSensorFields>(),
+            std::tuple(field("depth_sampling", &Sensor::depth_sampling, "Depth of a sample."), field("skin", &Sensor::skin, "Skin."),
+                       field("psf", &Sensor::psf, "Point spread function."), field("readout", &Sensor::readout, "Electronics.")),
+            fieldsOf<kFrameRateFields>());
   sensor.def_prop_ro("num_taxels", &numTaxels, "Number of taxels of all patches.")
       .def_prop_ro(
           "taxel_positions", [](const Sensor& self) { return rowsOf(taxelPositions(self)); }, nb::rv_policy::automatic,

@@ -8,9 +8,13 @@
 
 #include <new>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <tuple>
+#include <utility>
 
 #include "argument.h"
+#include "base/field.h"
 #include "bind.h"
 
 namespace taxelsim::python {
@@ -31,6 +35,26 @@ struct Field {
 template <typename Struct, typename Member>
 Field<Struct, Member> field(const char* name, Member Struct::*member, const char* doc) {
   return {name, member, doc};
+}
+
+// A field of a table of the library, with its meaning and what is allowed.
+template <const auto& kTable, std::size_t kIndex>
+auto tableField() {
+  constexpr auto kMember = std::get<kTable[kIndex].member.index()>(kTable[kIndex].member);
+  constexpr bool kIsWhole = kTable[kIndex].member.index() == 1;  // int
+  static const std::string name(kTable[kIndex].name());
+  static const std::string doc =
+      std::string(kTable[kIndex].text) + ": " + (kIsWhole ? describeWhole(kTable[kIndex].allowed) : describe(kTable[kIndex].allowed)) + ".";
+  return field(name.c_str(), kMember, doc.c_str());
+}
+
+// All fields of a table.
+template <const auto& kTable>
+auto fieldsOf() {
+  return []<std::size_t... kIndices>(std::index_sequence<kIndices...>) {
+    return std::tuple(tableField<kTable, kIndices>()...);
+  }
+  (std::make_index_sequence<kTable.size()>());
 }
 
 // A field whose default follows from the others.
@@ -85,6 +109,17 @@ template <typename Struct, typename... Fields>
 void addFields(nb::class_<Struct>& type, Fields... fields) {
   addCheckedFields(
       type, [](const Struct&) {}, fields...);
+}
+
+// The same from tuples of fields.
+template <typename Struct, typename Made, typename... Tuples>
+void addCheckedTables(nb::class_<Struct>& type, Made made, Tuples... tuples) {
+  std::apply([&](auto... fields) { addCheckedFields(type, made, fields...); }, std::tuple_cat(tuples...));
+}
+template <typename Struct, typename... Tuples>
+void addTables(nb::class_<Struct>& type, Tuples... tuples) {
+  addCheckedTables(
+      type, [](const Struct&) {}, tuples...);
 }
 
 }  // namespace taxelsim::python

@@ -19,6 +19,7 @@ enum class Presence {
   kRequired,   // an error
   kUnlimited,  // no limit: the member is +infinity, which cannot be written in a file
 };
+inline constexpr Presence kOptional = Presence::kOptional;
 inline constexpr Presence kRequired = Presence::kRequired;
 inline constexpr Presence kUnlimited = Presence::kUnlimited;
 
@@ -42,6 +43,7 @@ struct Field {
   AnySetting<Member> member;
   Allowed allowed;  // of each element of an array
   Presence presence = Presence::kOptional;
+  std::string_view text = "";  // meaning, for documentation
 
   constexpr std::string_view name() const { return key.substr(0, key.find('[')); }
 

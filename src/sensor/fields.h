@@ -11,61 +11,78 @@
 namespace taxelsim {
 
 inline constexpr std::array kSensorFields{
-    Field<Sensor>{"samples_per_taxel", &Sensor::samples_per_taxel, Allowed::within(1, kMaxSamplesPerTaxel, "")},
+    Field<Sensor>{"samples_per_taxel", &Sensor::samples_per_taxel, Allowed::within(1, kMaxSamplesPerTaxel, ""), kOptional,
+                  "Samples per side of a taxel"},
 };
 inline constexpr std::array kFrameRateFields{
-    Field<Sensor>{"frame_rate", &Sensor::frame_rate, Allowed::atLeast(0, "Hz")},
+    Field<Sensor>{"frame_rate", &Sensor::frame_rate, Allowed::atLeast(0, "Hz"), kOptional,
+                  "Frames that the electronics report, 0 for one at every step"},
 };
 inline constexpr std::array kGridPatchFields{
-    Field<GridPatch>{"num_rows", &GridPatch::num_rows, Allowed::within(1, kMaxTaxelsPerSide, ""), kRequired},
-    Field<GridPatch>{"num_cols", &GridPatch::num_cols, Allowed::within(1, kMaxTaxelsPerSide, ""), kRequired},
+    Field<GridPatch>{"num_rows", &GridPatch::num_rows, Allowed::within(1, kMaxTaxelsPerSide, ""), kRequired, "Taxels along x"},
+    Field<GridPatch>{"num_cols", &GridPatch::num_cols, Allowed::within(1, kMaxTaxelsPerSide, ""), kRequired, "Taxels along y"},
 };
 
 inline constexpr std::array kSkinFields{
-    Field<Skin>{"thickness[_mm]", &Skin::thickness, Allowed::above(0, "m"), kRequired},
+    Field<Skin>{"thickness[_mm]", &Skin::thickness, Allowed::above(0, "m"), kRequired, "Thickness, the deepest penetration"},
 };
 inline constexpr std::array kMarginFields{
-    Field<Skin>{"margin[_mm]", &Skin::margin, Allowed::within(0, 1, "m")},
+    Field<Skin>{"margin[_mm]", &Skin::margin, Allowed::within(0, 1, "m"), kOptional,
+                "Skin beyond the taxels, 0 unless the law is ElasticLayer"},
 };
 inline constexpr std::array kRelaxationFields{
-    Field<RelaxationTerm>{"fraction", &RelaxationTerm::fraction, Allowed::within(0, 1, "of the stiffness"), kRequired},
-    Field<RelaxationTerm>{"time", &RelaxationTerm::time, Allowed::above(0, "s"), kRequired},
+    Field<RelaxationTerm>{"fraction", &RelaxationTerm::fraction, Allowed::within(0, 1, "of the stiffness"), kRequired,
+                          "Share of the stiffness that relaxes; the sum of all terms is below 1"},
+    Field<RelaxationTerm>{"time", &RelaxationTerm::time, Allowed::above(0, "s"), kRequired, "Time constant"},
 };
 
 inline constexpr std::array kWinklerFields{
-    Field<Winkler>{"normal_contact_stiffness", &Winkler::normal_contact_stiffness, Allowed::above(0, "Pa/m^normal_exponent"), kRequired},
-    Field<Winkler>{"normal_exponent", &Winkler::normal_exponent, Allowed::within(1, 3, "")},
-    Field<Winkler>{"normal_damping", &Winkler::normal_damping, Allowed::atLeast(0, "Pa s/m")},
+    Field<Winkler>{"normal_contact_stiffness", &Winkler::normal_contact_stiffness, Allowed::above(0, "Pa/m^normal_exponent"), kRequired,
+                   "Pressure per depth^normal_exponent"},
+    Field<Winkler>{"normal_exponent", &Winkler::normal_exponent, Allowed::within(1, 3, ""), kOptional, "Exponent of the depth"},
+    Field<Winkler>{"normal_damping", &Winkler::normal_damping, Allowed::atLeast(0, "Pa s/m"), kOptional, "Pressure per rate of the depth"},
 };
 inline constexpr std::array kMassSpringDamperFields{
-    Field<MassSpringDamper>{"normal_contact_stiffness", &MassSpringDamper::normal_contact_stiffness, Allowed::above(0, "N/m^3"), kRequired},
-    Field<MassSpringDamper>{"mass", &MassSpringDamper::mass, Allowed::above(0, "kg")},
-    Field<MassSpringDamper>{"stiffness", &MassSpringDamper::stiffness, Allowed::above(0, "N/m")},
-    Field<MassSpringDamper>{"damping", &MassSpringDamper::damping, Allowed::atLeast(0, "N s/m")},
+    Field<MassSpringDamper>{"normal_contact_stiffness", &MassSpringDamper::normal_contact_stiffness, Allowed::above(0, "N/m^3"), kRequired,
+                            "Pressure per depth of the elastic foundation"},
+    Field<MassSpringDamper>{"mass", &MassSpringDamper::mass, Allowed::above(0, "kg"), kOptional, "Mass of a taxel"},
+    Field<MassSpringDamper>{"stiffness", &MassSpringDamper::stiffness, Allowed::above(0, "N/m"), kOptional,
+                            "Stiffness of the spring of a taxel"},
+    Field<MassSpringDamper>{"damping", &MassSpringDamper::damping, Allowed::atLeast(0, "N s/m"), kOptional, "Damping of a taxel"},
 };
 inline constexpr std::array kDeformationMaskFields{
-    Field<DeformationMask>{"normal_contact_stiffness", &DeformationMask::normal_contact_stiffness, Allowed::above(0, "N/m^3")},
-    Field<DeformationMask>{"saturation_pressure", &DeformationMask::saturation_pressure, Allowed::above(0, "Pa")},
+    Field<DeformationMask>{"normal_contact_stiffness", &DeformationMask::normal_contact_stiffness, Allowed::above(0, "N/m^3"), kOptional,
+                           "Pressure per depth of the elastic foundation"},
+    Field<DeformationMask>{"saturation_pressure", &DeformationMask::saturation_pressure, Allowed::above(0, "Pa"), kOptional,
+                           "Pressure at which a cell saturates"},
 };
 inline constexpr std::array kProximityFields{
-    Field<Proximity>{"sensitivity", &Proximity::sensitivity, Allowed::above(0, "N/m^3"), kRequired},
+    Field<Proximity>{"sensitivity", &Proximity::sensitivity, Allowed::above(0, "N/m^3"), kRequired, "Output per depth and area"},
 };
 inline constexpr std::array kElasticLayerFields{
-    Field<ElasticLayer>{"elastic_modulus", &ElasticLayer::elastic_modulus, Allowed::above(0, "Pa"), kRequired},
-    Field<ElasticLayer>{"poisson_ratio", &ElasticLayer::poisson_ratio, Allowed::within(0, 0.5, ""), kRequired},
+    Field<ElasticLayer>{"elastic_modulus", &ElasticLayer::elastic_modulus, Allowed::above(0, "Pa"), kRequired, "Young's modulus"},
+    Field<ElasticLayer>{"poisson_ratio", &ElasticLayer::poisson_ratio, Allowed::within(0, 0.5, ""), kRequired, "Poisson's ratio"},
 };
 inline constexpr std::array kLayerSolverFields{
-    Field<ElasticLayer>{"iterations", &ElasticLayer::iterations, Allowed::within(1, kMaxLayerIterations, "")},
-    Field<ElasticLayer>{"tolerance", &ElasticLayer::tolerance, Allowed::within(1e-5, 0.1, "")},
+    Field<ElasticLayer>{"iterations", &ElasticLayer::iterations, Allowed::within(1, kMaxLayerIterations, ""), kOptional,
+                        "Most iterations of the solver in a frame"},
+    Field<ElasticLayer>{"tolerance", &ElasticLayer::tolerance, Allowed::within(1e-5, 0.1, ""), kOptional,
+                        "contact_residual at which the solver stops"},
 };
 inline constexpr std::array kLuGreFields{
-    Field<LuGre>{"normal_contact_stiffness", &LuGre::normal_contact_stiffness, Allowed::above(0, "N/m^3"), kRequired},
-    Field<LuGre>{"bristle_stiffness", &LuGre::bristle_stiffness, Allowed::aboveUpTo(0, kMaxBristle, "1/m")},
-    Field<LuGre>{"bristle_damping", &LuGre::bristle_damping, Allowed::within(0, kMaxBristle, "s/m")},
-    Field<LuGre>{"viscous_friction", &LuGre::viscous_friction, Allowed::within(0, kMaxBristle, "s/m")},
-    Field<LuGre>{"static_friction", &LuGre::static_friction, Allowed::within(kMinLuGreFriction, kMaxFrictionCoefficient, "")},
-    Field<LuGre>{"coulomb_friction", &LuGre::coulomb_friction, Allowed::within(kMinLuGreFriction, kMaxFrictionCoefficient, "")},
-    Field<LuGre>{"stribeck_velocity", &LuGre::stribeck_velocity, Allowed::above(0, "m/s")},
+    Field<LuGre>{"normal_contact_stiffness", &LuGre::normal_contact_stiffness, Allowed::above(0, "N/m^3"), kRequired,
+                 "Pressure per depth of the elastic foundation"},
+    Field<LuGre>{"bristle_stiffness", &LuGre::bristle_stiffness, Allowed::aboveUpTo(0, kMaxBristle, "1/m"), kOptional,
+                 "Stiffness of the bristles per normal force"},
+    Field<LuGre>{"bristle_damping", &LuGre::bristle_damping, Allowed::within(0, kMaxBristle, "s/m"), kOptional,
+                 "Damping of the bristles per normal force"},
+    Field<LuGre>{"viscous_friction", &LuGre::viscous_friction, Allowed::within(0, kMaxBristle, "s/m"), kOptional,
+                 "Viscous friction per normal force"},
+    Field<LuGre>{"static_friction", &LuGre::static_friction, Allowed::within(kMinLuGreFriction, kMaxFrictionCoefficient, ""), kOptional,
+                 "Coefficient at rest, at least coulomb_friction"},
+    Field<LuGre>{"coulomb_friction", &LuGre::coulomb_friction, Allowed::within(kMinLuGreFriction, kMaxFrictionCoefficient, ""), kOptional,
+                 "Coefficient while sliding"},
+    Field<LuGre>{"stribeck_velocity", &LuGre::stribeck_velocity, Allowed::above(0, "m/s"), kOptional, "Velocity between rest and sliding"},
 };
 
 // Names of the laws in files, in the order of ContactLaw.
@@ -99,31 +116,39 @@ void visitFields(const LuGre&, Visit visit) {
 }
 
 inline constexpr std::array kOutputFields{
-    Field<Readout>{"output_scale", &Readout::output_scale, Allowed::above(0, "")},
-    Field<Readout>{"trigger", &Readout::trigger, Allowed::any("N")},
-    Field<Readout>{"adc_bits", &Readout::adc_bits, Allowed::within(1, kMaxAdcBits, "")},
+    Field<Readout>{"output_scale", &Readout::output_scale, Allowed::above(0, ""), kOptional, "Factor on the counts"},
+    Field<Readout>{"trigger", &Readout::trigger, Allowed::any("N"), kOptional, "Smallest visible force"},
+    Field<Readout>{"adc_bits", &Readout::adc_bits, Allowed::within(1, kMaxAdcBits, ""), kOptional, "Bits of the converter"},
 };
 inline constexpr std::array kNoiseFields{
-    Field<Readout>{"noise", &Readout::noise, Allowed::atLeast(0, "counts")},
+    Field<Readout>{"noise", &Readout::noise, Allowed::atLeast(0, "counts"), kOptional,
+                   "Standard deviation of white noise per frame and taxel"},
 };
 // Of each axis of ThreeAxisReadout.
 inline constexpr double kMaxAxisGain = 1e12;
 inline constexpr Allowed kAxisHysteresis{.min = 0, .max = 1, .below_max = true};
 inline constexpr std::array kCreepFields{
-    Field<CreepTerm>{"fraction", &CreepTerm::fraction, Allowed::within(0, kMaxCreepFraction, "of the force"), kRequired},
-    Field<CreepTerm>{"time", &CreepTerm::time, Allowed::above(0, "s"), kRequired},
+    Field<CreepTerm>{"fraction", &CreepTerm::fraction, Allowed::within(0, kMaxCreepFraction, "of the force"), kRequired,
+                     "Share of the force that creeps"},
+    Field<CreepTerm>{"time", &CreepTerm::time, Allowed::above(0, "s"), kRequired, "Time constant"},
 };
 inline constexpr std::array kTimeFields{
-    Field<Readout>{"low_pass_time", &Readout::low_pass_time, Allowed::atLeast(0, "s")},
-    Field<Readout>{"delay", &Readout::delay, Allowed::atLeast(0, "s")},
-    Field<Readout>{"jitter", &Readout::jitter, Allowed::atLeast(0, "s")},
+    Field<Readout>{"low_pass_time", &Readout::low_pass_time, Allowed::atLeast(0, "s"), kOptional, "Time constant of the low-pass filter"},
+    Field<Readout>{"delay", &Readout::delay, Allowed::atLeast(0, "s"), kOptional, "Delay of the output, at most 32 steps"},
+    Field<Readout>{"jitter", &Readout::jitter, Allowed::atLeast(0, "s"), kOptional,
+                   "Standard deviation of the time of a frame, at most 1 / frame_rate"},
 };
 inline constexpr std::array kImperfectionFields{
-    Field<Readout>{"bias", &Readout::bias, Allowed::within(0, kMaxOffsetCounts, "counts")},
-    Field<Readout>{"random_walk", &Readout::random_walk, Allowed::within(0, kMaxOffsetCounts, "counts/sqrt(s)")},
-    Field<Readout>{"gain_spread", &Readout::gain_spread, Allowed::within(0, kMaxGainSpread, "")},
-    Field<Readout>{"press_gain_spread", &Readout::press_gain_spread, Allowed::within(0, kMaxGainSpread, "")},
-    Field<Readout>{"dead_taxel_probability", &Readout::dead_taxel_probability, Allowed::within(0, 1, "")},
+    Field<Readout>{"bias", &Readout::bias, Allowed::within(0, kMaxOffsetCounts, "counts"), kOptional,
+                   "Standard deviation of an offset over taxels and episodes"},
+    Field<Readout>{"random_walk", &Readout::random_walk, Allowed::within(0, kMaxOffsetCounts, "counts/sqrt(s)"), kOptional,
+                   "Rate of an offset per taxel that drifts from 0"},
+    Field<Readout>{"gain_spread", &Readout::gain_spread, Allowed::within(0, kMaxGainSpread, ""), kOptional,
+                   "Standard deviation of the logarithm of a gain per taxel and episode"},
+    Field<Readout>{"press_gain_spread", &Readout::press_gain_spread, Allowed::within(0, kMaxGainSpread, ""), kOptional,
+                   "Standard deviation of the logarithm of a gain per episode, common to all taxels"},
+    Field<Readout>{"dead_taxel_probability", &Readout::dead_taxel_probability, Allowed::within(0, 1, ""), kOptional,
+                   "Probability that a taxel reads 0 in an episode"},
 };
 
 }  // namespace taxelsim
