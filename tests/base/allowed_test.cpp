@@ -1,8 +1,5 @@
 #include "base/allowed.h"
-
-#include <gtest/gtest.h>
-
-#include <limits>
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

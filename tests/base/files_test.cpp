@@ -1,15 +1,11 @@
 #include "base/files.h"
 
-#include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#include <filesystem>
-#include <string>
-#include <vector>
-
 #include "support/temporary_directory.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace {

@@ -1,11 +1,6 @@
 #include "base/log.h"
 
-#include <gtest/gtest.h>
-
-#include <string>
-#include <utility>
-#include <vector>
-
+#include "support/test.h"
 #include "taxelsim/log.h"
 
 namespace taxelsim {

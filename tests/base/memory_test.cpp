@@ -1,13 +1,10 @@
 #include "base/memory.h"
 
-#include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <fstream>
-#include <limits>
-
 #include "support/temporary_directory.h"
+#include "support/test.h"
 
 namespace taxelsim::testing {
 namespace {

@@ -1,9 +1,5 @@
 #include "base/philox.h"
-
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <set>
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,10 +1,5 @@
 #include "taxelsim/pose.h"
-
-#include <gtest/gtest.h>
-#include <rapidcheck.h>
-
-#include <cmath>
-#include <numbers>
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

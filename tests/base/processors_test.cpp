@@ -1,12 +1,11 @@
 #include "base/processors.h"
 
-#include <gtest/gtest.h>
 #include <sched.h>
 
 #include <climits>
-#include <fstream>
 
 #include "support/temporary_directory.h"
+#include "support/test.h"
 
 namespace taxelsim::testing {
 namespace {

@@ -1,11 +1,7 @@
 // Known answers from FIPS 180-2, appendix B, and digests of files around the block size of 1 MiB.
 #include "base/sha256.h"
 
-#include <gtest/gtest.h>
-
-#include <fstream>
-#include <string_view>
-
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

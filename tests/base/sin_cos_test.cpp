@@ -1,12 +1,6 @@
 // Sine and cosine that a device computes with the same bits.
 #include "base/sin_cos.h"
-
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <numbers>
-#include <random>
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,9 +1,6 @@
 #include "base/text.h"
 
-#include <gtest/gtest.h>
-
-#include <limits>
-
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

@@ -1,11 +1,6 @@
 // Threads that share a loop.
 #include "base/thread_team.h"
-
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <numeric>
-#include <set>
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,16 +1,9 @@
 // Least time of a frame by option: counts of what a frame touches against closed forms, and the arithmetic of the limits.
 #include "option_limits.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <functional>
-#include <set>
-#include <string>
-#include <vector>
-
 #include "bench_objects.h"
 #include "frame_counts.h"
+#include "support/test.h"
 #include "taxelsim/simulator.h"
 
 namespace taxelsim::bench {

@@ -1,12 +1,6 @@
 // Parts of bench/sweep: its sensor and prism equal the shipped ones, and the descent finds the fastest setting along its axes.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <set>
-
 #include "geometry/polyhedron.h"
+#include "support/test.h"
 #include "sweep/cases.h"
 #include "sweep/descent.h"
 #include "sweep/outputs.h"

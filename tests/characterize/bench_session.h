@@ -1,13 +1,7 @@
 // A simulated bench: a sensor with known parameters and noisy readings by the formulas, independent of the simulator's code.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <random>
-#include <string>
-#include <utility>
-#include <vector>
-
+#include "support/test.h"
 #include "taxelsim/measurement.h"
 
 namespace taxelsim::testing {

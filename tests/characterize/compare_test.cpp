@@ -1,12 +1,8 @@
 // Distances between images against values computed by hand, and undefined values.
 #include "taxelsim/compare.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-
 #include "sensor/example_sensor.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

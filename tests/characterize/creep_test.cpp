@@ -1,14 +1,9 @@
 // Creep fitted to step responses that the reference's readout simulates.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <vector>
-
 #include "base/philox.h"
 #include "characterize/estimates.h"
 #include "reference/lag.h"
 #include "reference/readout.h"
+#include "support/test.h"
 #include "taxelsim/characterize.h"
 #include "taxelsim/error.h"
 

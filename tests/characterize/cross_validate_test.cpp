@@ -1,19 +1,12 @@
 // Predictions of left-out measurements by a fitted sensor and by baselines.
 #include "taxelsim/cross_validate.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-#include <string>
-#include <vector>
-
 #include "characterize/bench_session.h"
 #include "characterize/prediction_score.h"
 #include "characterize/stamp_baselines.h"
 #include "characterize/stamp_bench.h"
 #include "figures/cross_validation_text.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim::testing {

@@ -1,11 +1,7 @@
 // Access to the estimates of characterize().
 #pragma once
 
-#include <algorithm>
-#include <stdexcept>
-#include <string>
-#include <vector>
-
+#include "support/test.h"
 #include "taxelsim/characterize.h"
 
 namespace taxelsim::support {

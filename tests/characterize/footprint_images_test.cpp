@@ -1,18 +1,12 @@
 // Point spread functions fitted to images of footprints: a mask of high resolution or a turned stamp, at places known exactly or with an
 // error. The reference's stages simulate the images.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <vector>
-
 #include "base/philox.h"
 #include "characterize/estimates.h"
 #include "characterize/footprint.h"
 #include "characterize/stamp_bench.h"
 #include "reference/psf.h"
 #include "reference/readout.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim::testing {

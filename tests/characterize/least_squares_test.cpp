@@ -1,11 +1,6 @@
 // Least squares over groups: textbook intervals of a line, and results that do not depend on the history of the process.
 #include "characterize/least_squares.h"
-
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <memory>
-#include <random>
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,16 +1,10 @@
 // Point spread functions fitted to images under an indenter at known positions, which the reference's stages simulate.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <vector>
-
 #include "base/philox.h"
 #include "characterize/estimates.h"
 #include "characterize/footprint.h"
 #include "reference/psf.h"
 #include "reference/readout.h"
+#include "support/test.h"
 #include "taxelsim/characterize.h"
 #include "taxelsim/error.h"
 

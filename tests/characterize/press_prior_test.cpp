@@ -1,18 +1,13 @@
 // Gains of presses that depend on their load: Gaussian process against its closed form, the choice of its size, and the fit of a bench.
 #include "characterize/press_prior.h"
 
-#include <gtest/gtest.h>
-
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
-#include <cmath>
-#include <numeric>
-#include <string>
-#include <vector>
 
 #include "base/philox.h"
 #include "characterize/estimates.h"
 #include "characterize/stamp_bench.h"
+#include "support/test.h"
 #include "taxelsim/characterize.h"
 
 namespace taxelsim::testing {

@@ -1,11 +1,7 @@
 // A sensor with the scatter of fitted gains in place of the gains themselves. Counts are compared with the formula of
 // include/taxelsim/sensor.h.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "characterize/bench_session.h"
+#include "support/test.h"
 #include "taxelsim/characterize.h"
 #include "taxelsim/error.h"
 

@@ -1,16 +1,12 @@
 // Counts converted to newtons: closed forms, and round trips through the reference's stages.
 #include "taxelsim/readings.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-
 #include "reference/lag.h"
 #include "reference/psf.h"
 #include "reference/readout.h"
 #include "sensor/example_sensor.h"
 #include "support/curved_sensor.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

@@ -1,14 +1,8 @@
 // Readout curves fitted to force curves: polynomials, dividers, straight pieces.
-#include <gmock/gmock.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <random>
-
 #include "characterize/estimates.h"
 #include "characterize/readout_curves.h"
 #include "reference/readout.h"
+#include "support/test.h"
 #include "taxelsim/characterize.h"
 #include "taxelsim/error.h"
 

@@ -1,8 +1,7 @@
 // Readouts fitted to force curves: trigger, gains, saturation, noise, hysteresis, drift.
-#include <gmock/gmock.h>
-
 #include "characterize/estimates.h"
 #include "characterize/readout_curves.h"
+#include "support/test.h"
 #include "taxelsim/characterize.h"
 #include "taxelsim/error.h"
 

@@ -1,19 +1,10 @@
 // Recordings of real sensors, predicted from each other (scenes/experiments/recordings). Half of the loads of a matrix under dead weights,
 // and force curves of single taxels; `taxelsim experiment` scores all of them.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <ctime>
-#include <iterator>
-#include <set>
-#include <string>
-#include <variant>
 
 #include "figures/cross_validation_text.h"
 #include "support/temporary_directory.h"
+#include "support/test.h"
 #include "taxelsim/characterize.h"
 #include "taxelsim/cross_validate.h"
 

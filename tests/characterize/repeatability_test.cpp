@@ -1,21 +1,9 @@
 // Repeated presses of one load: repeatability of a real sensor, the lower limit for a simulator. Recordings of a Weiss matrix
 // (SCHUNK SDH-2 finger, P. Kiechle, tactile-sensors): a stamp of 10.5 mm under 200 to 900 g, one letter per load.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdio>
-#include <filesystem>
-#include <map>
-#include <numbers>
-#include <numeric>
-#include <string>
-#include <vector>
-
 #include "base/median.h"
 #include "scene/number_table.h"
 #include "sensor/example_sensor.h"
+#include "support/test.h"
 #include "taxelsim/compare.h"
 
 namespace taxelsim {

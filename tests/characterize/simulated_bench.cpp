@@ -1,14 +1,7 @@
 #include "characterize/simulated_bench.h"
 
-#include <algorithm>
-#include <cmath>
-#include <fstream>
-#include <numbers>
-#include <optional>
-#include <sstream>
-#include <stdexcept>
-
 #include "characterize/footprint.h"
+#include "support/test.h"
 #include "taxelsim/simulator.h"
 
 namespace taxelsim::testing {

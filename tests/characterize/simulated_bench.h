@@ -2,11 +2,7 @@
 // `taxelsim characterize` reads. Not independent of the simulator, unlike bench_session.h: it shows what a fit makes of simulated contacts.
 #pragma once
 
-#include <array>
-#include <filesystem>
-#include <string>
-#include <vector>
-
+#include "support/test.h"
 #include "taxelsim/measurement.h"
 #include "taxelsim/model.h"
 #include "taxelsim/sensor.h"

@@ -1,18 +1,10 @@
 // Round trip through the simulator: a known sensor is simulated on a bench, `characterize` fits a sensor to the measurements, and both are
 // pressed where the fit has not seen them. Prints the table of docs/validation.md.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdio>
-#include <fstream>
-#include <numbers>
-
-#include "base/median.h"
 #include "characterize/simulated_bench.h"
+#include "base/median.h"
 #include "reference/psf.h"
 #include "support/temporary_directory.h"
+#include "support/test.h"
 #include "taxelsim/characterize.h"
 #include "taxelsim/compare.h"
 #include "taxelsim/stiffness.h"

@@ -1,13 +1,7 @@
 // Readouts fitted to recordings of real single taxels, converted by scripts/convert_recordings.py: resistive foil under a 6 mm
 // tip (TAMS), Velostat under a robot.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cstdio>
-#include <cstdlib>
-
 #include "support/temporary_directory.h"
+#include "support/test.h"
 #include "taxelsim/characterize.h"
 
 namespace taxelsim::testing {

@@ -1,16 +1,13 @@
 // A bench with flat stamps under dead weights, which the reference's stages simulate.
 #pragma once
 
-#include <cmath>
-#include <string>
-#include <vector>
-
 #include "base/philox.h"
 #include "characterize/footprint.h"
 #include "reference/frame.h"
 #include "reference/lag.h"
 #include "reference/psf.h"
 #include "reference/readout.h"
+#include "support/test.h"
 #include "taxelsim/characterize.h"
 #include "taxelsim/object.h"
 

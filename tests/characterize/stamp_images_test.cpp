@@ -1,13 +1,7 @@
 // Parameters fitted to recordings under a flat stamp, which the reference's stages simulate.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <vector>
-
 #include "characterize/estimates.h"
 #include "characterize/stamp_bench.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim::testing {

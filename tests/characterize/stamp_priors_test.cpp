@@ -1,17 +1,9 @@
 // Priors of a fit to stamps: poses of a fixture, gains and triggers with a scatter that the fit estimates, noise that grows with the
 // reading.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <array>
-#include <cmath>
-#include <cstdio>
-#include <string>
-#include <vector>
-
 #include "characterize/estimates.h"
 #include "characterize/prediction_score.h"
 #include "characterize/stamp_bench.h"
+#include "support/test.h"
 
 namespace taxelsim::testing {
 namespace {

@@ -1,10 +1,7 @@
 // Stiffness fitted to closed forms of indenters on an elastic foundation.
-#include <gmock/gmock.h>
-
-#include <numbers>
-
 #include "bench_session.h"
 #include "characterize/estimates.h"
+#include "support/test.h"
 #include "taxelsim/characterize.h"
 #include "taxelsim/error.h"
 

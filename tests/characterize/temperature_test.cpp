@@ -1,16 +1,9 @@
 // Gain and trigger as functions of the temperature: planted coefficients are recovered from force curves and from stamps at several
 // temperatures, which formulas and the reference's stages simulate.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-#include <string>
-#include <vector>
-
 #include "characterize/bench_session.h"
 #include "characterize/estimates.h"
 #include "characterize/stamp_bench.h"
+#include "support/test.h"
 #include "taxelsim/cross_validate.h"
 #include "taxelsim/error.h"
 

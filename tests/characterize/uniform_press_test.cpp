@@ -1,17 +1,11 @@
 // Gains fitted to presses with a uniform pressure, which the reference's stages simulate with the noise of the sensor, the paper's scatter
 // between presses and a scatter per taxel and press.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <string>
-#include <vector>
-
 #include "base/philox.h"
 #include "characterize/estimates.h"
 #include "characterize/stamp_bench.h"
 #include "reference/psf.h"
 #include "reference/readout.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim::testing {

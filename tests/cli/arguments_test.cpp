@@ -1,10 +1,8 @@
 // Help, version and wrong arguments: one line, exit status 2.
-#include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include <fstream>
-
 #include "cli/command_line.h"
+#include "support/test.h"
 #include "taxelsim/version.h"
 
 namespace taxelsim::testing {

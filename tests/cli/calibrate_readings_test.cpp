@@ -1,12 +1,7 @@
 // `calibrate-readings`: converts a table of counts to newtons, atomically.
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <fstream>
-#include <sstream>
-
 #include "cli/command_line.h"
 #include "cli/small_pad.h"
+#include "support/test.h"
 
 namespace taxelsim::testing {
 namespace {

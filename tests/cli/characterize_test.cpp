@@ -1,14 +1,9 @@
 // `characterize` on the shipped measurements, which were simulated with known parameters.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <cstdio>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "cli/command_line.h"
 #include "cli/picture.h"
+#include "support/test.h"
 #include "taxelsim/sensor.h"
 
 namespace taxelsim::testing {

@@ -1,19 +1,15 @@
 #include "cli/command_line.h"
 
 #include <fcntl.h>
-#include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
-#include <fstream>
-#include <iterator>
-#include <stdexcept>
 #include <thread>
+
+#include "support/test.h"
 
 namespace taxelsim::testing {
 

@@ -4,13 +4,8 @@
 #include <sys/resource.h>
 #include <sys/types.h>
 
-#include <cstdint>
-#include <filesystem>
-#include <map>
-#include <string>
-#include <vector>
-
 #include "support/temporary_directory.h"
+#include "support/test.h"
 
 namespace taxelsim::testing {
 

@@ -1,14 +1,11 @@
 // `compare`: measurements and data sets, with table, JSON, figure and refusals.
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "cli/command_line.h"
 #include "cli/picture.h"
 #include "cli/pressed_pad.h"
 #include "cli/small_pad.h"
+#include "support/test.h"
 #include "taxelsim/dataset.h"
 
 namespace taxelsim::testing {

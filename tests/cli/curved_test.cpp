@@ -1,14 +1,12 @@
 // Curved sensors on the command line: values, figures, and the layout of taxels in them.
 #include <cairo.h>
-#include <gtest/gtest.h>
 
-#include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "cli/command_line.h"
 #include "figures/taxel_chart.h"
 #include "support/curved_sensor.h"
+#include "support/test.h"
 
 namespace taxelsim::testing {
 namespace {

@@ -1,13 +1,9 @@
 // `inspect` and `render` on a small data set, complete and damaged.
-#include <gtest/gtest.h>
-
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "cli/command_line.h"
 #include "cli/pressed_pad.h"
+#include "support/test.h"
 
 namespace taxelsim::testing {
 namespace {

@@ -1,10 +1,8 @@
 // `devices --plan`: memory by the options of a run.
-#include <gtest/gtest.h>
-
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "cli/command_line.h"
+#include "support/test.h"
 #include "taxelsim/device.h"
 #include "taxelsim/model.h"
 #include "taxelsim/scene.h"

@@ -1,7 +1,6 @@
 // Drivers for which a faster one is recommended.
 #include "cli/driver_advice.h"
-
-#include <gtest/gtest.h>
+#include "support/test.h"
 
 namespace taxelsim::cli {
 namespace {

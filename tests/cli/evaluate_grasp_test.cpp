@@ -1,12 +1,10 @@
 // `evaluate` of a scene of kind grasp: table, JSON and figure, gains, and refusals. `experiment` with one.
-#include <gtest/gtest.h>
-
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "cli/command_line.h"
 #include "cli/picture.h"
 #include "cli/small_task.h"
+#include "support/test.h"
 
 namespace taxelsim::testing {
 namespace {

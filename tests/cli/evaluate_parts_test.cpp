@@ -1,10 +1,7 @@
 // `evaluate --part`, `--episode-range` and `--merge`: the same table as one process, and refusals.
-#include <gtest/gtest.h>
-
-#include <fstream>
-
 #include "cli/command_line.h"
 #include "cli/small_task.h"
+#include "support/test.h"
 
 namespace taxelsim::testing {
 namespace {

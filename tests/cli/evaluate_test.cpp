@@ -1,14 +1,12 @@
 // `evaluate`: table, JSON and figure of a small task, independence of the batch size, and refusals.
-#include <gtest/gtest.h>
-
 #include <chrono>
 #include <csignal>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "cli/command_line.h"
 #include "cli/picture.h"
 #include "cli/small_task.h"
+#include "support/test.h"
 
 namespace taxelsim::testing {
 namespace {

@@ -1,14 +1,10 @@
 // `experiment`: distances computed by hand, a fit that recovers its reference, outputs, and refusals.
 #include "taxelsim/experiment.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "cli/command_line.h"
+#include "support/test.h"
 
 namespace taxelsim::testing {
 namespace {

@@ -1,18 +1,9 @@
 // `frame`: values against closed forms, outputs, and refusals.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
 #include <charconv>
-#include <cmath>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
-#include <numbers>
-#include <string>
-#include <string_view>
 
 #include "cli/command_line.h"
+#include "support/test.h"
 
 namespace taxelsim::testing {
 namespace {

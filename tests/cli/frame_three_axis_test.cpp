@@ -1,15 +1,9 @@
 // `frame` with sensors of three-axis taxels, and --slide.
-#include <gtest/gtest.h>
-
-#include <array>
-#include <cmath>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
-#include <string>
 
 #include "cli/command_line.h"
 #include "cli/picture.h"
+#include "support/test.h"
 
 namespace taxelsim::testing {
 namespace {

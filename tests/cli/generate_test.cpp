@@ -1,12 +1,8 @@
 // `generate`: bytes that depend neither on the batch size nor on interruptions; refusals.
-#include <gtest/gtest.h>
-
 #include <csignal>
-#include <fstream>
-#include <map>
-#include <random>
 
 #include "cli/command_line.h"
+#include "support/test.h"
 
 namespace taxelsim::testing {
 namespace {

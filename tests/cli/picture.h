@@ -2,12 +2,8 @@
 #pragma once
 
 #include <cairo.h>
-#include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <filesystem>
+#include "support/test.h"
 
 namespace taxelsim::testing {
 

@@ -1,9 +1,6 @@
 #include "cli/pressed_pad.h"
 
-#include <array>
-#include <cmath>
-#include <cstring>
-#include <limits>
+#include "support/test.h"
 
 namespace taxelsim::testing {
 namespace {

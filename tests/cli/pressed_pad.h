@@ -1,9 +1,7 @@
 // A synthetic data set of a bar that rotates on a 6 x 14 pad, for inspect and render.
 #pragma once
 
-#include <filesystem>
-#include <string>
-
+#include "support/test.h"
 #include "taxelsim/dataset.h"
 
 namespace taxelsim::testing {

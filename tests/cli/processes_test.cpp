@@ -1,19 +1,15 @@
 // `generate --processes` and `evaluate --processes`: the bytes of one process, interruptions, and processes that are killed. Small batches
 // make runs that are long enough to be interrupted; the bytes do not depend on them.
 #include <dirent.h>
-#include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <chrono>
 #include <csignal>
-#include <fstream>
-#include <map>
-#include <sstream>
 #include <thread>
 
 #include "cli/command_line.h"
 #include "cli/small_task.h"
+#include "support/test.h"
 
 namespace taxelsim::testing {
 namespace {

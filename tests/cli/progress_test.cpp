@@ -1,13 +1,10 @@
 // Progress lines: percentage and time left count frames.
 #include "cli/progress.h"
 
-#include <gtest/gtest.h>
 #include <spdlog/sinks/ostream_sink.h>
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
-#include <memory>
-#include <sstream>
+#include "support/test.h"
 
 namespace taxelsim::cli {
 namespace {

@@ -1,11 +1,6 @@
 // Subcommands that are written in Python: `evaluate --policy` stands for all. python/tests/test_program.py compares the tables.
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <fstream>
-#include <string>
-
 #include "cli/command_line.h"
+#include "support/test.h"
 
 namespace taxelsim::testing {
 namespace {

@@ -1,12 +1,9 @@
 // `experiment` on servo files: outputs of short loops, and refusals. Numbers against theory: tests/experiments/.
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "cli/command_line.h"
 #include "cli/picture.h"
+#include "support/test.h"
 
 namespace taxelsim::testing {
 namespace {

@@ -1,14 +1,10 @@
 // `generate --shards`, `--part` and `finish`: several processes in one directory, one of them lost.
-#include <gtest/gtest.h>
-
 #include <csignal>
-#include <fstream>
 #include <future>
-#include <map>
 #include <nlohmann/json.hpp>
-#include <tuple>
 
 #include "cli/command_line.h"
+#include "support/test.h"
 
 namespace taxelsim::testing {
 namespace {

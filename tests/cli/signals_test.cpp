@@ -1,16 +1,9 @@
 // Work that takes long ends within 0.5 s after a signal, and leaves no file. Seconds are those of the processor: the clock of a busy
 // machine says nothing of the program.
-#include <gtest/gtest.h>
-
-#include <array>
-#include <cmath>
 #include <csignal>
-#include <cstdint>
-#include <filesystem>
-#include <fstream>
-#include <numbers>
 
 #include "cli/command_line.h"
+#include "support/test.h"
 
 namespace taxelsim::testing {
 namespace {

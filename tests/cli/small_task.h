@@ -1,9 +1,7 @@
 // A scene of 40 short episodes with a task and two controllers, of which one does nothing.
 #pragma once
 
-#include <filesystem>
-#include <fstream>
-#include <string>
+#include "support/test.h"
 
 namespace taxelsim::testing {
 

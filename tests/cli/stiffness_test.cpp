@@ -1,10 +1,8 @@
 // `stiffness`: blocks that a sensor file accepts, numbers of the library, refused options.
-#include <gtest/gtest.h>
-
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "cli/command_line.h"
+#include "support/test.h"
 #include "taxelsim/sensor.h"
 #include "taxelsim/stiffness.h"
 

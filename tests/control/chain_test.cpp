@@ -1,12 +1,7 @@
 #include "control/chain.h"
 
-#include <gtest/gtest.h>
-// After gtest.h, whose macros it uses.
-#include <rapidcheck/gtest.h>
-
-#include <vector>
-
 #include "random_robots.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,13 +1,9 @@
 #include "control/damped_least_squares.h"
 
-#include <gtest/gtest.h>
-// After gtest.h, whose macros it uses.
-#include <rapidcheck/gtest.h>
-
 #include <Eigen/Dense>
-#include <vector>
 
 #include "random_robots.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,11 +1,9 @@
 // Robots and constants shared by the tests of robots.h.
 #pragma once
 
-#include <limits>
-#include <numbers>
-
 #include "base/vector3.h"
 #include "control/robots.h"
+#include "support/test.h"
 #include "urdf_text.h"
 
 namespace taxelsim {

@@ -1,14 +1,6 @@
 // Angles of lines: against std::remainder(), to the bit.
 #include "control/line_angle.h"
-
-#include <gtest/gtest.h>
-
-#include <bit>
-#include <cmath>
-#include <cstdint>
-#include <limits>
-#include <numbers>
-#include <random>
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,14 +1,10 @@
 // Manipulators: tracking accuracy, limits, singularities, reset.
 #include "control/robots.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <vector>
-
 #include "control/twist.h"
 #include "example_robots.h"
 #include "random_robots.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

@@ -1,15 +1,9 @@
 // The pan-tilt platform: kinematics, position steps, delay, limits.
 #include "control/robots.h"
 
-#include <gtest/gtest.h>
-// After gtest.h, whose macros it uses.
-#include <rapidcheck/gtest.h>
-
-#include <cmath>
-#include <vector>
-
 #include "example_robots.h"
 #include "random_robots.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,11 +1,8 @@
 // Random robots and poses for property tests.
 #pragma once
 
-#include <rapidcheck.h>
-
-#include <cmath>
-
 #include "base/vector3.h"
+#include "support/test.h"
 #include "taxelsim/robot.h"
 
 namespace taxelsim {

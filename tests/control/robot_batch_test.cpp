@@ -1,16 +1,10 @@
 // Free-flying robots, and bitwise independence of instances in a batch.
 #include "control/robots.h"
 
-#include <gtest/gtest.h>
-// After gtest.h, whose macros it uses.
-#include <rapidcheck/gtest.h>
-
-#include <cmath>
-#include <vector>
-
 #include "control/twist.h"
 #include "example_robots.h"
 #include "random_robots.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

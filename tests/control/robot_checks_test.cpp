@@ -1,11 +1,7 @@
 #include "control/robots.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <vector>
-
 #include "example_robots.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

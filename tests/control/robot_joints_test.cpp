@@ -1,11 +1,6 @@
 // Robots commanded by joint velocities.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
 #include "example_robots.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,14 +1,7 @@
 // Batches of tactile servos: reset, instances that are not due or invalid, independence, limits.
-#include <gtest/gtest.h>
 // After gtest.h, whose macros it uses.
-#include <rapidcheck/gtest.h>
-
-#include <bit>
-#include <cmath>
-#include <limits>
-#include <vector>
-
 #include "servo_fixtures.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,10 +1,7 @@
-#include <gtest/gtest.h>
 
-#include <initializer_list>
-#include <limits>
-#include <vector>
 
 #include "servo_fixtures.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

@@ -1,15 +1,8 @@
 // Optional inputs of the servo: tilts, rolling, windowed and exact angles, the largest region, the measured Jacobian, several servos.
-#include <gtest/gtest.h>
-
-#include <array>
-#include <cmath>
-#include <limits>
-#include <numbers>
-#include <vector>
-
 #include "control/tactile_servo.h"
 #include "control/twist.h"
 #include "servo_fixtures.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

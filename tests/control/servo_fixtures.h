@@ -1,14 +1,8 @@
 // Sensor, features and servos shared by the tests of the tactile servo controller.
 #pragma once
 
-#include <array>
-#include <cmath>
-#include <cstdint>
-#include <initializer_list>
-#include <numbers>
-#include <span>
-
 #include "control/tactile_servo.h"
+#include "support/test.h"
 
 namespace taxelsim {
 

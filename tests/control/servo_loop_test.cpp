@@ -1,12 +1,7 @@
 // Closed-loop tests of the servo with a minimal plant: a cylinder on an elastic foundation, features as sums over taxels.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "control/twist.h"
 #include "servo_fixtures.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,12 +1,7 @@
 // PID loops of the tactile servo, in closed loop with an ideal angle.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
 #include "control/twist.h"
 #include "servo_fixtures.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,8 +1,5 @@
 #include "control/singularity.h"
-
-#include <gtest/gtest.h>
-
-#include <cmath>
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

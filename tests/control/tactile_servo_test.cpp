@@ -1,12 +1,9 @@
 // Maps from feature errors to the twist of the sensor, with the nominal Jacobian.
 #include "control/tactile_servo.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "control/twist.h"
 #include "servo_fixtures.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

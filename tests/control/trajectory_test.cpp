@@ -1,16 +1,9 @@
 #include "taxelsim/trajectory.h"
 
-#include <gtest/gtest.h>
-// After gtest.h, whose macros it uses.
-#include <rapidcheck/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <numbers>
-
 #include "base/vector3.h"
 #include "control/twist.h"
 #include "random_robots.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

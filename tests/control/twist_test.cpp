@@ -1,12 +1,7 @@
 #include "control/twist.h"
 
-#include <gtest/gtest.h>
-#include <rapidcheck/gtest.h>
-
-#include <cmath>
-#include <numbers>
-
 #include "random_robots.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,22 +1,13 @@
 // Robots from URDF: compared with Denavit-Hartenberg parameters and with KDL's solvers; invalid files; fuzzing.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 // After gtest.h, whose macros it uses.
-#include <rapidcheck/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <kdl/chainfksolverpos_recursive.hpp>
 #include <kdl/chainjnttojacsolver.hpp>
 #include <kdl/tree.hpp>
-#include <limits>
-#include <numbers>
-#include <sstream>
-#include <vector>
 
 #include "control/chain.h"
 #include "control/urdf_model.h"
 #include "random_robots.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 #include "urdf_text.h"
 

@@ -1,11 +1,8 @@
 // Generators of URDF text for tests.
 #pragma once
 
-#include <filesystem>
-#include <fstream>
-#include <string>
-
 #include "support/temporary_directory.h"
+#include "support/test.h"
 
 namespace taxelsim {
 

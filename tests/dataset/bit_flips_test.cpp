@@ -1,13 +1,11 @@
 // Every flipped bit and every truncation of a small data set's files: minutes to an hour, so that the suites are studies (scripts/campaign
 // flips). TAXELSIM_FLIP_STRIDE takes each n-th bit and truncation only.
-#include <algorithm>
-#include <array>
 #include <chrono>
-#include <cstdlib>
 
 #include "dataset/example.h"
 #include "dataset/serial_reading.h"
 #include "dataset/shard.h"
+#include "support/test.h"
 
 namespace taxelsim::testing {
 namespace {

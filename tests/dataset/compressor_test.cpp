@@ -1,14 +1,11 @@
 // Compressor: same chunks as HDF5's filters, independent of the number of threads.
 #include "dataset/compressor.h"
 
-#include <gtest/gtest.h>
 #include <libdeflate.h>
-
-#include <memory>
-#include <random>
 
 #include "dataset/example.h"
 #include "dataset/shard.h"
+#include "support/test.h"
 
 namespace taxelsim::testing {
 namespace {

@@ -1,12 +1,8 @@
 // The scale of pictures: a percentile of what was measured, beyond noise.
 #include "taxelsim/counts_range.h"
 
-#include <gtest/gtest.h>
-
-#include <cstring>
-#include <numeric>
-
 #include "dataset/example.h"
+#include "support/test.h"
 
 namespace taxelsim::testing {
 namespace {

@@ -2,14 +2,11 @@
 
 #include <unistd.h>
 
-#include <cstring>
-#include <fstream>
-#include <iterator>
-
 #include "base/sha256.h"
 #include "dataset/checksum.h"
 #include "dataset/column.h"
 #include "dataset/manifest.h"
+#include "support/test.h"
 
 namespace taxelsim::testing {
 namespace {

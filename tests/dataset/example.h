@@ -1,14 +1,8 @@
 // A small data set with synthetic values, and helpers for directories.
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <cstdint>
-#include <filesystem>
-#include <map>
-#include <string>
-
 #include "support/temporary_directory.h"
+#include "support/test.h"
 #include "taxelsim/dataset.h"
 #include "taxelsim/error.h"
 

@@ -1,15 +1,9 @@
 // Interoperability: h5py reads the same values through the view and from the shards.
-#include <gmock/gmock.h>
-
-#include <array>
-#include <cstdio>
-#include <cstdlib>
 #include <nlohmann/json.hpp>
-#include <random>
-#include <span>
 
 #include "base/sha256.h"
 #include "dataset/example.h"
+#include "support/test.h"
 
 namespace taxelsim::testing {
 namespace {

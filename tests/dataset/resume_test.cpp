@@ -1,11 +1,10 @@
 // Existing directories: resumed if that gives the same bytes, rejected otherwise.
-#include <gmock/gmock.h>
-
 #include <atomic>
 #include <chrono>
 #include <thread>
 
 #include "dataset/example.h"
+#include "support/test.h"
 
 namespace taxelsim::testing {
 namespace {

@@ -1,14 +1,11 @@
 // Reading returns the bytes that were written, and files are a pure function of their content.
-#include <gmock/gmock.h>
-#include <rapidcheck.h>
-
 #include <chrono>
-#include <cstring>
 #include <thread>
 
 #include "dataset/column.h"
 #include "dataset/example.h"
 #include "dataset/manifest.h"
+#include "support/test.h"
 
 namespace taxelsim::testing {
 namespace {

@@ -1,6 +1,5 @@
 #include "dataset/scene_difference.h"
-
-#include <gtest/gtest.h>
+#include "support/test.h"
 
 namespace taxelsim::dataset {
 namespace {

@@ -7,15 +7,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <atomic>
 #include <csignal>
-#include <cstdint>
-#include <fstream>
-#include <stdexcept>
 
 #include "dataset/child_reading.h"
 #include "dataset/hdf5.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim::testing {

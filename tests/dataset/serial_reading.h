@@ -1,9 +1,7 @@
 // Reads many files that may crash or hang HDF5, without a process for each.
 #pragma once
 
-#include <cstddef>
-#include <functional>
-#include <vector>
+#include "support/test.h"
 
 namespace taxelsim::testing {
 

@@ -1,10 +1,8 @@
 #include "dataset/thread_pool.h"
 
-#include <gtest/gtest.h>
-
 #include <atomic>
-#include <stdexcept>
-#include <string>
+
+#include "support/test.h"
 
 namespace taxelsim::dataset {
 namespace {

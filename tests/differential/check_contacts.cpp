@@ -2,14 +2,12 @@
 
 #include <gtest/gtest-spi.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "base/vector3.h"
 #include "reference/elastic_layer.h"
 #include "reference/taxel_laws.h"
 #include "simulation/layer_scene.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim::support {
 namespace {

@@ -1,10 +1,8 @@
 // Compares frames of this driver with the twin.
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "differential/random_contacts.h"
+#include "support/test.h"
 
 namespace taxelsim::support {
 

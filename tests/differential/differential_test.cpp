@@ -1,10 +1,6 @@
 // Random contacts on every driver: each output lies within derived bounds of the twin, so that two drivers differ by the width of these at
 // most. A difference is shrunk to a small scene and printed. TAXELSIM_CASES=all: 10,000 contacts on 35 models; TAXELSIM_CASES=N: N on each
 // of them. TAXELSIM_DIFFERENTIAL_OUT=FILE adds a line for each contact, with which compare_drivers.py compares drivers directly.
-#include <gtest/gtest.h>
-
-#include <cstdlib>
-#include <fstream>
 #include <iostream>
 
 #include "base/sha256.h"
@@ -12,6 +8,7 @@
 #include "differential/shrink.h"
 #include "support/cases.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim::support {
 namespace {

@@ -1,8 +1,6 @@
 #include "differential/shrink.h"
 
-#include <cmath>
-#include <sstream>
-#include <utility>
+#include "support/test.h"
 
 namespace taxelsim::support {
 namespace {

@@ -1,10 +1,8 @@
 // Shrinks a contact on which two implementations differ to a small one on which they still do.
 #pragma once
 
-#include <functional>
-#include <string>
-
 #include "differential/random_contacts.h"
+#include "support/test.h"
 
 namespace taxelsim::support {
 

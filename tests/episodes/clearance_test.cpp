@@ -1,11 +1,8 @@
 // Distances between taxels and objects.
 #include "episodes/clearance.h"
 
-#include <gtest/gtest.h>
-
-#include <numbers>
-
 #include "episodes/example_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

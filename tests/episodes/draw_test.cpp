@@ -1,12 +1,7 @@
 #include "episodes/draw.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
 #include "episodes/example_scene.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

@@ -1,12 +1,5 @@
 #include "taxelsim/environment.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <set>
-#include <stdexcept>
 #include <thread>
 
 #include "episodes/batch.h"
@@ -14,6 +7,7 @@
 #include "episodes/recording.h"
 #include "episodes/servo_input.h"
 #include "simulation/host_threads.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 #include "taxelsim/evaluate.h"
 

@@ -1,10 +1,8 @@
 #include "episodes/example_scene.h"
 
-#include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <numbers>
-#include <string>
+#include "support/test.h"
 
 namespace taxelsim {
 

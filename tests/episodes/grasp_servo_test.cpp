@@ -1,13 +1,6 @@
 // Hands on an arm: the tactile servo of the palm moves the arm while the fingers hold their forces.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <numbers>
-#include <vector>
-
 #include "episodes/grasp_batch.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

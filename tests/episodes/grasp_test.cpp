@@ -1,9 +1,6 @@
 // Hands with several sensors: poses by a closed form, images by simulators of one sensor each, forces by their targets.
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "episodes/grasp_batch.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

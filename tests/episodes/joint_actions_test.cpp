@@ -1,13 +1,9 @@
 // Joint velocities as actions.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <Eigen/Dense>
-#include <cmath>
-#include <limits>
 
 #include "control/chain.h"
 #include "episodes/example_scene.h"
+#include "support/test.h"
 #include "taxelsim/environment.h"
 #include "taxelsim/error.h"
 

@@ -1,9 +1,5 @@
 #include "episodes/lowest_vertex.h"
-
-#include <gtest/gtest.h>
-#include <rapidcheck/gtest.h>
-
-#include <cmath>
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,11 +1,6 @@
 // Objects that move in the world during servoing, from scene to data set.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "episodes/example_scene.h"
+#include "support/test.h"
 #include "taxelsim/generate.h"
 
 namespace taxelsim {

@@ -1,12 +1,8 @@
 // Frames of episodes as bits, to compare runs of the same episodes.
 #pragma once
 
-#include <bit>
-#include <cstdint>
-#include <map>
-#include <vector>
-
 #include "episodes/episode_sink.h"
+#include "support/test.h"
 #include "taxelsim/environment.h"
 
 namespace taxelsim {

@@ -1,10 +1,6 @@
 // Closed-loop servo episodes: the sensor aligns with a lying cylinder and regulates the contact force.
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-
 #include "episodes/example_scene.h"
+#include "support/test.h"
 #include "taxelsim/generate.h"
 
 namespace taxelsim {

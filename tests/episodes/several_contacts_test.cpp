@@ -1,18 +1,11 @@
 // Several contacts at once: on the sensors of a hand, each with its own sensor file and objects, and on one sensor, whose regions and servo
 // must keep two contacts apart.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <variant>
-#include <vector>
-
 #include "control/tactile_servo.h"
 #include "control/twist.h"
 #include "episodes/sensed_robots.h"
 #include "episodes/sensor_features.h"
 #include "simulation/feature_table.h"
+#include "support/test.h"
 #include "taxelsim/scene.h"
 
 namespace taxelsim {

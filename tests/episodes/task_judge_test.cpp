@@ -1,14 +1,9 @@
 // Verdicts on frames made by hand: one instance over an object with a ring as contour.
 #include "episodes/task_judge.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <vector>
-
 #include "control/robots.h"
 #include "episodes/example_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,13 +1,8 @@
 #include "episodes/true_edge.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "episodes/draw.h"
 #include "episodes/example_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,16 +1,9 @@
 #include "taxelsim/evaluate.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/resource.h>
 
-#include <algorithm>
-#include <cmath>
-#include <cstring>
-#include <numbers>
-#include <stdexcept>
-
 #include "episodes/example_scene.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 #include "taxelsim/generate.h"
 

@@ -1,13 +1,9 @@
 // Evaluation of grasps: the judge against closed forms, a played scene against its frames, independence of the batch size, refusals.
 #include "taxelsim/grasp_evaluation.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-
 #include "episodes/grasp_batch.h"
 #include "evaluation/grasp_judge.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

@@ -1,11 +1,7 @@
 // Evaluations in parts: the same evaluations as at once, exact text, and refusal of parts that do not belong together.
-#include <gtest/gtest.h>
-
-#include <functional>
-#include <limits>
-
 #include "episodes/example_scene.h"
 #include "evaluation/part_text.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 #include "taxelsim/version.h"
 

@@ -1,17 +1,9 @@
 // Policies of the caller in evaluate().
 #include "taxelsim/policy.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <cstring>
-#include <limits>
-#include <set>
-#include <stdexcept>
-
 #include "episodes/example_scene.h"
 #include "episodes/servo_input.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 #include "taxelsim/evaluate.h"
 

@@ -1,13 +1,6 @@
 // The paper's calibration with a pin: closed forms of springs, and files that are refused.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <fstream>
-#include <numbers>
-
 #include "support/temporary_directory.h"
+#include "support/test.h"
 #include "taxelsim/device.h"
 #include "taxelsim/error.h"
 #include "taxelsim/experiment.h"

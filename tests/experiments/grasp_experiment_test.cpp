@@ -1,8 +1,5 @@
 // Experiments with grasps: decay of the force error against the theory of the control law, and the readings of the traces.
-#include <gtest/gtest.h>
-
-#include <cmath>
-
+#include "support/test.h"
 #include "taxelsim/device.h"
 #include "taxelsim/error.h"
 #include "taxelsim/experiment.h"

@@ -1,12 +1,6 @@
 // The shipped servo experiments of the paper, against closed forms and the static characteristic of the sensor.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <map>
-#include <numbers>
-
 #include "experiments/servo_theory.h"
+#include "support/test.h"
 #include "taxelsim/device.h"
 #include "taxelsim/error.h"
 #include "taxelsim/experiment.h"

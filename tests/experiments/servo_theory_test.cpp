@@ -1,10 +1,9 @@
 // Theory against recursions written out by hand and published numbers.
 #include "experiments/servo_theory.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <complex>
+
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

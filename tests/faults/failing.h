@@ -1,12 +1,8 @@
 // Runs the program on a driver that fails (failing_driver.cpp).
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <string>
-
 #include "cli/command_line.h"
+#include "support/test.h"
 
 namespace taxelsim::testing {
 

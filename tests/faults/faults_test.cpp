@@ -1,16 +1,14 @@
 // Faults around `taxelsim generate`: a lost device, a refused pipeline, limits of memory and of open files, a clock that jumps. Each ends
 // with one line or with the data set; complete shards stay, and resuming gives the bytes of an undisturbed run.
-#include <gtest/gtest.h>
 #include <sys/resource.h>
 
 #include <chrono>
 #include <csignal>
-#include <fstream>
 #include <iostream>
-#include <map>
 
 #include "faults/failing.h"
 #include "support/cases.h"
+#include "support/test.h"
 
 namespace taxelsim::testing {
 namespace {

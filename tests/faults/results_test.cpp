@@ -1,16 +1,15 @@
 // A lost or hung device, and refused pipelines, in the commands that print results: each ends with one line. `evaluate` prints the
 // controllers that were complete, as an undisturbed run prints them; nothing else is printed, and no file is written in part.
-#include <gtest/gtest.h>
 #include <sys/resource.h>
 
 #include <csignal>
-#include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "cli/small_task.h"
 #include "faults/failing.h"
 #include "support/cases.h"
+#include "support/test.h"
 
 namespace taxelsim::testing {
 namespace {

@@ -1,12 +1,7 @@
 // Geometry of figures: axes of an image, and positions of colours.
-#include <gtest/gtest.h>
-
-#include <array>
-#include <cmath>
-#include <filesystem>
-
 #include "cli/picture.h"
 #include "figures/tactile_figure.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim::figures {

@@ -1,13 +1,9 @@
 // Charts checked by pixels: positions of values, room for names, and refusals.
 #include "figures/line_chart.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-
 #include "cli/picture.h"
 #include "support/temporary_directory.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim::figures {

@@ -1,9 +1,6 @@
 // Formatting of numbers and tables.
 #include "figures/text.h"
-
-#include <gtest/gtest.h>
-
-#include <limits>
+#include "support/test.h"
 
 namespace taxelsim::figures {
 namespace {

@@ -1,18 +1,9 @@
 // Every fuzz target on the inputs of corpus/, the shipped files of seeds.txt, and random changes of both.
 #include <glob.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <random>
-#include <sstream>
-#include <string>
-#include <vector>
 
 #include "base/text.h"
 #include "fuzz/targets.h"
+#include "support/test.h"
 
 namespace taxelsim::fuzz {
 namespace {

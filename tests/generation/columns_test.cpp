@@ -1,13 +1,8 @@
 #include "generation/columns.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <set>
-#include <string>
-
 #include "episodes/draw.h"
 #include "episodes/example_scene.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 #include "taxelsim/generate.h"
 

@@ -1,10 +1,6 @@
 // docs/data_set.md has every feature of the feature table, with the same shape, unit, frame and text.
-#include <gmock/gmock.h>
-
-#include <fstream>
-#include <sstream>
-
 #include "simulation/feature_table.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

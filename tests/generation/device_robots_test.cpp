@@ -1,11 +1,7 @@
 // Loops of robots with joints that the device closes give the same bytes as the host's.
-#include <gtest/gtest.h>
-
-#include <functional>
-#include <limits>
-
 #include "control/robots.h"
 #include "device_servo_cases.h"
+#include "support/test.h"
 #include "taxelsim/dataset.h"
 
 namespace taxelsim {

@@ -1,20 +1,11 @@
 // Scenes and servos for tests that compare loops on the device with those on the host.
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <numbers>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "episodes/device_servos.h"
 #include "episodes/example_scene.h"
 #include "generation/columns.h"
 #include "generation/generate_loops.h"
+#include "support/test.h"
 
 namespace taxelsim {
 

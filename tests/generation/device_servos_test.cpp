@@ -1,13 +1,9 @@
 // Servos whose loop the device closes give the same bytes as the host's: data sets, verdicts, traces of bits.
-#include <gtest/gtest.h>
-
-#include <cstring>
-#include <numbers>
-
 #include "control/robots.h"
 #include "device_servo_cases.h"
 #include "episodes/batch.h"
 #include "episodes/task_evaluator.h"
+#include "support/test.h"
 #include "taxelsim/dataset.h"
 
 namespace taxelsim {

@@ -1,17 +1,12 @@
 // The bytes of a data set depend on scene and seed only: not on batch size, slices, interruptions or threads.
 #include "taxelsim/generate.h"
 
-#include <gtest/gtest.h>
-
 #include <atomic>
 #include <chrono>
-#include <fstream>
-#include <iterator>
-#include <map>
-#include <string>
 #include <thread>
 
 #include "episodes/example_scene.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

@@ -1,13 +1,8 @@
 // Data sets of hands: the same bytes for any batch size and after an interruption; columns grouped by sensor.
 #include <atomic>
-#include <cmath>
-#include <fstream>
-#include <iterator>
-#include <map>
-#include <numbers>
-#include <string>
 
 #include "episodes/example_scene.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 #include "taxelsim/generate.h"
 

@@ -1,12 +1,6 @@
 // Policies of the caller in generate().
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <fstream>
-#include <iterator>
-#include <stdexcept>
-
 #include "episodes/example_scene.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 #include "taxelsim/generate.h"
 

@@ -1,12 +1,9 @@
 // The columns of a data set agree with each other, with the draw of the episodes and with the scene.
-#include <gtest/gtest.h>
-
-#include <string>
-
 #include "control/twist.h"
 #include "episodes/draw.h"
 #include "episodes/example_scene.h"
 #include "episodes/true_edge.h"
+#include "support/test.h"
 #include "taxelsim/generate.h"
 
 namespace taxelsim {

@@ -2,19 +2,9 @@
 // too.
 #include "generation/recorder.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cstddef>
-#include <cstring>
-#include <map>
-#include <numbers>
-#include <numeric>
-#include <optional>
-#include <string>
-
 #include "control/robots.h"
 #include "episodes/example_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

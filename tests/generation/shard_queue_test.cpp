@@ -1,10 +1,6 @@
 #include "generation/shard_queue.h"
 
-#include <gtest/gtest.h>
-#include <rapidcheck/gtest.h>
-
-#include <set>
-
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

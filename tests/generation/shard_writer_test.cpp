@@ -1,11 +1,7 @@
 #include "generation/shard_writer.h"
 
-#include <gtest/gtest.h>
-
-#include <cstring>
-#include <filesystem>
-
 #include "episodes/example_scene.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

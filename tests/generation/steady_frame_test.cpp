@@ -1,10 +1,9 @@
 // A slice allocates no memory between frames of running episodes, with controllers, robots, moving objects and recording.
-#include <gtest/gtest.h>
-
 #include "episodes/batch.h"
 #include "episodes/example_scene.h"
 #include "generation/shard_sink.h"
 #include "support/allocations.h"
+#include "support/test.h"
 #include "taxelsim/generate.h"
 
 namespace taxelsim {

@@ -1,9 +1,8 @@
-#include <gtest/gtest.h>
 
-#include <limits>
 
 #include "geometry/mesh_files.h"
 #include "geometry/solids.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

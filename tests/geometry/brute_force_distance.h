@@ -1,13 +1,9 @@
 // Oracle for distances to surfaces: brute force over all triangles, each by its three edges and its face. Independent of TriangleTree.
 #pragma once
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
-
 #include "base/vector3.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 #include "taxelsim/object.h"
 
 namespace taxelsim {

@@ -1,8 +1,7 @@
-#include <gtest/gtest.h>
 
-#include <limits>
 
 #include "geometry/mesh_files.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

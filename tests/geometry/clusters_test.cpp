@@ -1,10 +1,5 @@
 #include "geometry/clusters.h"
-
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,9 +1,8 @@
 // glTF: what is read and what is refused, by changes of the JSON of a brick. Whole files in all formats: mesh_loading_test.cpp.
 #include "geometry/gltf_file.h"
 
-#include <gtest/gtest.h>
-
 #include "geometry/mesh_files.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

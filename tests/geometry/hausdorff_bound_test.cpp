@@ -1,14 +1,10 @@
 // HausdorffBound against closed forms, and against brute force on random surfaces.
 #include "geometry/hausdorff_bound.h"
 
-#include <gtest/gtest.h>
-#include <rapidcheck/gtest.h>
-
-#include <numbers>
-
 #include "geometry/brute_force_distance.h"
 #include "geometry/is_within.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,10 +1,8 @@
-#include <gtest/gtest.h>
-#include <rapidcheck.h>
 
-#include <numbers>
 
 #include "geometry/mesh_files.h"
 #include "geometry/solids.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

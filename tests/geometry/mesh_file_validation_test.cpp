@@ -1,9 +1,8 @@
-#include <gtest/gtest.h>
-#include <rapidcheck.h>
 #include <sys/stat.h>
 
 #include "base/text.h"
 #include "geometry/mesh_files.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

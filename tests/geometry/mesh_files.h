@@ -1,16 +1,8 @@
 // Writers of small mesh files for tests of the loader.
 #pragma once
 
-#include <algorithm>
-#include <array>
-#include <cstdint>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <string>
-#include <vector>
-
 #include "support/temporary_directory.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 #include "taxelsim/object.h"
 

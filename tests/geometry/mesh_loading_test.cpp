@@ -1,9 +1,9 @@
-#include <gtest/gtest.h>
 
 #include <clocale>
 
 #include "geometry/mesh_files.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

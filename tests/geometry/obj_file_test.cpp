@@ -1,7 +1,6 @@
 // OBJ text: what is read, skipped and refused. Whole files in all formats: mesh_loading_test.cpp.
 #include "geometry/obj_file.h"
-
-#include <gtest/gtest.h>
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,15 +1,11 @@
 #include "geometry/outward.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <numbers>
 
 #include "geometry/enclosed.h"
 #include "geometry/mesh_files.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

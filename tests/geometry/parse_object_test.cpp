@@ -1,6 +1,6 @@
-#include <gtest/gtest.h>
 
 #include "geometry/mesh_files.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

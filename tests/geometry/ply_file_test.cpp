@@ -1,8 +1,7 @@
 #include "geometry/ply_file.h"
 
-#include <gtest/gtest.h>
-
 #include "geometry/mesh_files.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

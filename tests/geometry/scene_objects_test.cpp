@@ -1,10 +1,7 @@
-#include <gtest/gtest.h>
 
-#include <cmath>
-#include <map>
-#include <numbers>
 
 #include "geometry/mesh_files.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,21 +1,12 @@
 #include "geometry/simplification_cache.h"
 
-#include <gtest/gtest.h>
-
 #include <atomic>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <optional>
-#include <span>
-#include <string>
-#include <vector>
 
 #include "base/sha256.h"
 #include "geometry/simplify.h"
 #include "support/random_scene.h"
 #include "support/temporary_directory.h"
+#include "support/test.h"
 #include "taxelsim/simplification_stop.h"
 
 namespace taxelsim {

@@ -1,13 +1,6 @@
 // Simplification: the bound holds by an independent measure, the number of triangles falls as documented, and degenerate input is handled.
 #include "geometry/simplify.h"
 
-#include <gtest/gtest.h>
-#include <rapidcheck/gtest.h>
-
-#include <map>
-#include <numbers>
-#include <set>
-
 #include "geometry/brute_force_distance.h"
 #include "geometry/is_within.h"
 #include "geometry/mesh_files.h"
@@ -15,6 +8,7 @@
 #include "reference/samples.h"
 #include "support/embree_oracle.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,12 +1,7 @@
 // Brute-force oracle for bounds and lowest points: each analytic solid as an implicit function and as points on its surface.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <variant>
-#include <vector>
-
+#include "support/test.h"
 #include "taxelsim/object.h"
 
 namespace taxelsim {

@@ -1,11 +1,5 @@
 #include "geometry/triangulate.h"
-
-#include <gtest/gtest.h>
-#include <rapidcheck/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <numeric>
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

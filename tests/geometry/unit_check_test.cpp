@@ -1,6 +1,5 @@
 #include "geometry/unit_check.h"
-
-#include <gtest/gtest.h>
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,9 +1,7 @@
 #include "geometry/weld.h"
 
-#include <gtest/gtest.h>
-#include <rapidcheck.h>
-
 #include "geometry/mesh_files.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

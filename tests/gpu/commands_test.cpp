@@ -1,12 +1,9 @@
 // Command lists: copies, fills, timestamps and misuse, under the validation layers.
-#include <gtest/gtest.h>
-
 #include <chrono>
-#include <cmath>
-#include <numeric>
 
 #include "gpu/commands.h"
 #include "gpu/device_access.h"
+#include "support/test.h"
 #include "taxelsim/device.h"
 #include "taxelsim/error.h"
 

@@ -1,19 +1,11 @@
 // Choice of devices, and messages of device errors.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <sched.h>
-
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <set>
-#include <string>
 
 #include "gpu/buffer.h"
 #include "gpu/device_access.h"
 #include "gpu/vulkan.h"
 #include "support/plain.h"
+#include "support/test.h"
 #include "taxelsim/device.h"
 #include "taxelsim/error.h"
 

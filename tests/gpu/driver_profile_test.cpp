@@ -1,7 +1,6 @@
 // Questions that passes ask about drivers, for a GPU, for Mesa's software driver and for another one.
 #include "gpu/driver_profile.h"
-
-#include <gtest/gtest.h>
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,13 +1,7 @@
 // Reflection of shaders, and the comparison of a kernel with its declaration.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/resource.h>
 
 #include <csignal>
-#include <cstdint>
-#include <cstdlib>
-#include <filesystem>
-#include <stdexcept>
 
 #include "elastic_layer.spv.h"
 #include "elastic_layer_lockstep.spv.h"
@@ -18,6 +12,7 @@
 #include "gpu/reflection.h"
 #include "load.spv.h"
 #include "support/temporary_directory.h"
+#include "support/test.h"
 #include "taxelsim/device.h"
 
 namespace taxelsim {

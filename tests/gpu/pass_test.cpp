@@ -1,10 +1,5 @@
 // Interfaces of passes: the lists in shaders/passes/ as C++ types against the compiled shaders, and what the types refuse.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <spirv_cross/spirv.h>
-
-#include <numeric>
-#include <set>
 
 #include "contact.spv.h"
 #include "contact_features.spv.h"
@@ -26,6 +21,7 @@
 #include "rescale_jacobian.spv.h"
 #include "simulation/passes/interfaces.h"
 #include "spread_jacobian.spv.h"
+#include "support/test.h"
 #include "tactile_jacobian.spv.h"
 #include "taxel_jacobian.spv.h"
 #include "three_axis.spv.h"

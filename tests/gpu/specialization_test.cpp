@@ -1,19 +1,11 @@
 // Modules with their specialization constants set.
 #include "gpu/specialization.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <spirv_cross/spirv.h>
-
-#include <algorithm>
-#include <cstdint>
-#include <initializer_list>
-#include <map>
-#include <span>
-#include <vector>
 
 #include "contact.spv.h"
 #include "gpu/reflection.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,17 +1,11 @@
 // Mean depth over the cells of samples against closed forms, each with the error of point sampling next to it.
 #include "reference/area_depth.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <tuple>
-
 #include "base/vector3.h"
 #include "reference/frame.h"
 #include "reference/solids.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

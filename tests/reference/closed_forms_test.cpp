@@ -1,15 +1,9 @@
 // Reference depth and contact stages against closed forms of the Winkler foundation (K. L. Johnson, Contact Mechanics, CUP 1985,
 // section 4.3), at random sub-cell offsets.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <functional>
-#include <numbers>
-
 #include "reference/contact.h"
 #include "reference/depth.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,16 +1,11 @@
 // Regions, windowed edge angle, tilt and contact type: hand-made images, closed forms, and statistics over seeded random contacts.
 #include "reference/contact_features.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "reference/frame.h"
 #include "sensor/regions.h"
 #include "support/contact_cases.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

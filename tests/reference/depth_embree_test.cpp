@@ -1,13 +1,9 @@
 // Reference depth of random meshes against ray casting with Embree, an independent implementation in float32.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "support/cases.h"
 #include "support/embree_oracle.h"
 #include "support/envelope.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

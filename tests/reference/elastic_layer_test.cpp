@@ -1,14 +1,8 @@
 // Elastic layer of the reference against contact mechanics: influence coefficients, Sneddon's sphere and punch, Hertzian line contact, and
 // layers bonded to a rigid base.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <numbers>
-
 #include "reference/elastic_layer.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

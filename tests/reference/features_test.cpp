@@ -1,16 +1,11 @@
 // Moments, edge angle and area of images with known values.
 #include "reference/features.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-
 #include "reference/contact_features.h"
 #include "reference/frame.h"
 #include "reference/readout.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,8 +1,7 @@
 // Shear of the reference against closed forms (support/friction_cases.h).
-#include <gtest/gtest.h>
-
 #include "reference/frame.h"
 #include "support/friction_cases.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

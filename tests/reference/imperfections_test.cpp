@@ -1,11 +1,6 @@
 // Distributions of the random part of stage 5. tests/simulation/imperfections_test.cpp compares the device with these draws.
 #include "reference/imperfections.h"
-
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,12 +1,7 @@
 // Properties for any shape: monotone in depth, equivariant under translation and rotation of the grid, conservation of force.
-#include <gtest/gtest.h>
-#include <rapidcheck/gtest.h>
-
-#include <cmath>
-#include <numbers>
-
 #include "reference/frame.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

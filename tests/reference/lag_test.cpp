@@ -1,11 +1,8 @@
 // Stage 4 of the reference against closed forms.
 #include "reference/lag.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,14 +1,10 @@
 // Load search against inverted closed forms, and properties for random scenes.
 #include "reference/load.h"
-#include "support/cases.h"
-
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
 
 #include "reference/contact.h"
+#include "support/cases.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,13 +1,9 @@
 // LuGre bristles against closed forms, Runge-Kutta integration, and the published Stribeck curve.
 #include "reference/lugre.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "reference/frame.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,12 +1,8 @@
 // Sums and taps of the point spread function; numbers from an independent program.
 #include "reference/psf.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numeric>
-
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

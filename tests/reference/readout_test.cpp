@@ -1,9 +1,8 @@
 // Readout of the reference: the paper's calibration, curves, behaviour below the trigger, rounding and saturation.
 #include "reference/readout.h"
 
-#include <gtest/gtest.h>
-
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

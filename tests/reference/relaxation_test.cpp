@@ -1,10 +1,7 @@
 // Relaxation of the reference against closed forms (support/relaxation_cases.h).
-#include <gtest/gtest.h>
-
-#include <algorithm>
-
 #include "reference/frame.h"
 #include "support/relaxation_cases.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

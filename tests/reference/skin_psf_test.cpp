@@ -1,12 +1,8 @@
 // PSF by distance along the skin: against the explicit formula, conservation of force, and agreement with the kernel on a grid.
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numeric>
-
 #include "base/vector3.h"
 #include "reference/psf.h"
 #include "support/curved_sensor.h"
+#include "support/test.h"
 
 namespace taxelsim::reference {
 namespace {

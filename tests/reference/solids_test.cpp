@@ -1,15 +1,10 @@
 // Line intersections with the analytic solids against their implicit functions, evaluated densely along random lines.
 #include "reference/solids.h"
-#include "support/cases.h"
-
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include "base/vector3.h"
+#include "support/cases.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

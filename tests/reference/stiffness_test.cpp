@@ -1,13 +1,8 @@
 // Predictions of taxelsim/stiffness.h against frames of the reference.
 #include "taxelsim/stiffness.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <numbers>
-
 #include "reference/elastic_layer.h"
+#include "support/test.h"
 #include "taxelsim/object.h"
 
 namespace taxelsim {

@@ -1,14 +1,10 @@
 // Tactile Jacobian of the reference against closed forms and against central differences of the features.
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-
-#include "base/vector3.h"
 #include "reference/tactile_jacobian.h"
+#include "base/vector3.h"
 #include "support/contact_cases.h"
 #include "support/jacobian_cases.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,15 +1,11 @@
 // Laws with a response of the whole taxel, against closed forms and published numbers.
 #include "reference/taxel_laws.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <complex>
-#include <numbers>
 
 #include "reference/frame.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

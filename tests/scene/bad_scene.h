@@ -1,14 +1,8 @@
 // Scenes with one error each, and the message that loadScene() gives.
 #pragma once
 
-#include <gmock/gmock.h>
-
-#include <filesystem>
-#include <initializer_list>
-#include <string>
-#include <string_view>
-
 #include "scene_text.h"
+#include "support/test.h"
 #include "taxelsim/scene.h"
 
 namespace taxelsim {

@@ -1,7 +1,6 @@
 // Conditions of a scene: what they override, what is refused.
-#include <gmock/gmock.h>
-
 #include "scene_text.h"
+#include "support/test.h"
 #include "taxelsim/scene.h"
 
 namespace taxelsim {

@@ -1,13 +1,8 @@
 // Mutated scenes: each either loads or is refused with a message of one line; no crash, no hang. This oracle is weak, because it accepts
 // both outcomes. Therefore the canonical text of a scene that loads must also load, and give the same canonical text.
-#include <gtest/gtest.h>
 // Must follow gtest.h: it uses its macros.
-#include <rapidcheck/gtest.h>
-
-#include <sstream>
-#include <vector>
-
 #include "scene_text.h"
+#include "support/test.h"
 #include "taxelsim/scene.h"
 
 namespace taxelsim {

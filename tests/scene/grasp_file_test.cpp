@@ -1,12 +1,7 @@
 // Scenes of kind grasp: what their files may say, one clear line for anything else.
-#include <gmock/gmock.h>
-
-#include <fstream>
-#include <iterator>
-#include <numbers>
-
 #include "scene/scene_checks.h"
 #include "scene_text.h"
+#include "support/test.h"
 #include "taxelsim/scene.h"
 
 namespace taxelsim {

@@ -1,11 +1,8 @@
 // Measurement files: the values of each kind, and the message of each error.
 #include "taxelsim/measurement.h"
 
-#include <gmock/gmock.h>
-
-#include <numbers>
-
 #include "scene_text.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

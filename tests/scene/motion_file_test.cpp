@@ -1,9 +1,6 @@
 // The block `motion` of an object and files of waypoints: the values read, and the message of each error.
-#include <gmock/gmock.h>
-
-#include <vector>
-
 #include "scene_text.h"
+#include "support/test.h"
 #include "taxelsim/experiment.h"
 #include "taxelsim/scene.h"
 

@@ -1,9 +1,8 @@
 // Tables of numbers: the values read, and the message of each error.
 #include "scene/number_table.h"
 
-#include <gmock/gmock.h>
-
 #include "scene_text.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

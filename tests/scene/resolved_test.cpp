@@ -1,10 +1,8 @@
 // The canonical text of a scene: independent of directory and spelling, different if any setting differs.
-#include <gmock/gmock.h>
-
 #include <clocale>
-#include <set>
 
 #include "scene_text.h"
+#include "support/test.h"
 #include "taxelsim/scene.h"
 
 namespace taxelsim {

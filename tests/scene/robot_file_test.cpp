@@ -1,11 +1,6 @@
 // The block `robot` of a scene and robot files: the values read, and the message of each error.
-#include <gmock/gmock.h>
-
-#include <numbers>
-#include <set>
-#include <vector>
-
 #include "scene_text.h"
+#include "support/test.h"
 #include "taxelsim/scene.h"
 
 namespace taxelsim {

@@ -1,11 +1,8 @@
 // Scenes that are built in C++: the ranges of files, and messages with the path of the field.
 #include "scene/scene_checks.h"
 
-#include <gtest/gtest.h>
-
-#include <limits>
-
 #include "scene_text.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,14 +1,9 @@
 // A small valid scene, temporary directories for files, and edits of texts.
 #pragma once
 
-#include <gtest/gtest.h>
 #include <stdlib.h>
 
-#include <filesystem>
-#include <fstream>
-#include <string>
-#include <string_view>
-
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

@@ -1,8 +1,6 @@
 // Every scene and sensor file of the project loads and states the source of its numbers.
-#include <algorithm>
-#include <cmath>
-
 #include "scene_text.h"
+#include "support/test.h"
 #include "taxelsim/scene.h"
 #include "taxelsim/sensor.h"
 

@@ -1,9 +1,6 @@
 // Controllers, edges and the task of a scene: the values read, and the message of each error.
-#include <gmock/gmock.h>
-
-#include <numbers>
-
 #include "scene_text.h"
+#include "support/test.h"
 #include "taxelsim/scene.h"
 
 namespace taxelsim {

@@ -1,10 +1,6 @@
 // Sensors given as a list of taxels, a mesh or a URDF: positions in closed form, canonical texts, and the message of each error.
-#include <gmock/gmock.h>
-
-#include <cmath>
-#include <numbers>
-
 #include "scene_text.h"
+#include "support/test.h"
 #include "taxelsim/scene.h"
 #include "taxelsim/sensor.h"
 

@@ -1,8 +1,7 @@
 // Checks of files before keys are read: invalid YAML, and YAML that would exhaust time or memory.
-#include <gmock/gmock.h>
-
 #include "base/yaml_parse.h"
 #include "scene_text.h"
+#include "support/test.h"
 #include "taxelsim/scene.h"
 
 namespace taxelsim {

@@ -2,10 +2,9 @@
 #include "scene/yaml_reader.h"
 
 #include <charconv>
-#include <cmath>
-#include <numbers>
 
 #include "scene_text.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,9 +1,7 @@
-#include <gtest/gtest.h>
 
-#include <functional>
-#include <limits>
 
 #include "sensor/example_sensor.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

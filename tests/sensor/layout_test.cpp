@@ -1,8 +1,7 @@
-#include <gtest/gtest.h>
 
-#include <numbers>
 
 #include "sensor/example_sensor.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

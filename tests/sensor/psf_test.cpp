@@ -1,9 +1,6 @@
-#include <gtest/gtest.h>
 
-#include <cmath>
-#include <limits>
-#include <numeric>
 
+#include "support/test.h"
 #include "taxelsim/error.h"
 #include "taxelsim/sensor.h"
 

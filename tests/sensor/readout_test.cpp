@@ -1,10 +1,7 @@
-#include <gtest/gtest.h>
-#include <rapidcheck.h>
 
-#include <cmath>
-#include <limits>
 
 #include "sensor/curve.h"
+#include "support/test.h"
 #include "taxelsim/sensor.h"
 
 namespace taxelsim {

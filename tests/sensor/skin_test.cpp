@@ -1,13 +1,9 @@
 // Curved skins: distances in closed form, neighbours, view depths, and taxels with individual poses.
 #include "sensor/skin.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-
 #include "example_sensor.h"
 #include "sensor/taxel_mesh.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

@@ -1,14 +1,8 @@
 // Stiffness of a skin: moduli, flat punch on a bonded layer, Shore A hardness, parameters of the laws.
 #include "taxelsim/stiffness.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <numbers>
-
 #include "sensor/flat_punch.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 #include "taxelsim/object.h"
 

@@ -1,17 +1,11 @@
 // Area sampling on the device, DepthSampling::kArea: contacts of any size against closed forms and the double-precision twin, next to point
 // sampling.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "reference/area_depth.h"
 #include "simulation/comparison.h"
 #include "support/curved_sensor.h"
 #include "support/pressed_shapes.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

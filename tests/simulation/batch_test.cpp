@@ -1,12 +1,8 @@
 // An instance of a batch has the same bits whatever its slot, the batch size and the other instances.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "simulation/comparison.h"
 #include "simulation/model_access.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

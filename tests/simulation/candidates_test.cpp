@@ -1,15 +1,9 @@
 // Candidates: whether a step tests all clusters of a mesh, or only those near the skin some steps before, changes no bit.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <string>
-#include <vector>
-
 #include "simulation/candidate_schedule.h"
 #include "simulation/comparison.h"
 #include "support/plain.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,18 +1,10 @@
 // Area sampling where the mean depth of a cell is not enough (shaders/skin/law.glsl): exponents other than 1 and friction, against
 // closed forms and the double-precision twin, next to point sampling.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <functional>
-#include <numbers>
-#include <vector>
-
 #include "reference/frame.h"
 #include "simulation/comparison.h"
 #include "support/curved_sensor.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,10 +1,6 @@
 // Times of sensor frames, and how many steps a delay spans. Needs no device.
 #include "simulation/clock.h"
-
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <vector>
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,11 +1,7 @@
 // The device against closed forms of the Winkler foundation, without the twin.
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-
 #include "simulation/comparison.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,18 +1,10 @@
 #include "simulation/comparison.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <bit>
-#include <cmath>
-#include <limits>
-#include <numbers>
-#include <string>
-
 #include "base/vector3.h"
 #include "reference/features.h"
 #include "reference/readout.h"
 #include "simulation/raster.h"
+#include "support/test.h"
 
 namespace taxelsim::support {
 namespace {

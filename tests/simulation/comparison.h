@@ -5,12 +5,8 @@
 // twin's stage takes the device's output of the stage before, so that only the rounding of the stage itself remains.
 #pragma once
 
-#include <cstdint>
-#include <optional>
-#include <span>
-#include <vector>
-
 #include "support/envelope.h"
+#include "support/test.h"
 #include "taxelsim/simulator.h"
 
 namespace taxelsim::support {

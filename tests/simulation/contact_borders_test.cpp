@@ -1,12 +1,8 @@
 // Which taxel takes a contact point on a border: the half-open cells of paper eq. (2).
-#include <gtest/gtest.h>
-
-#include <numeric>
-#include <optional>
-
 #include "reference/contact_points.h"
 #include "simulation/comparison.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

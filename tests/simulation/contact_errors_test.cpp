@@ -1,11 +1,8 @@
 // Invalid contact points and options are refused with an error that names them, and change nothing.
-#include <gtest/gtest.h>
-
-#include <limits>
-
 #include "simulation/comparison.h"
 #include "simulation/input_error.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

@@ -1,11 +1,8 @@
 // Contact features do not depend on batch, workgroup or other outputs, and are held between the frames of the sensor.
-#include <gtest/gtest.h>
-
-#include <bit>
-
 #include "simulation/comparison.h"
 #include "simulation/contact_feature_images.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

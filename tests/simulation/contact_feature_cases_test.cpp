@@ -1,14 +1,11 @@
 // Contact features of objects whose position, edge angle, type and tilt are known.
-#include <gtest/gtest.h>
-
-#include <numbers>
-
 #include "base/vector3.h"
 #include "simulation/comparison.h"
 #include "simulation/contact_feature_images.h"
 #include "simulation/contact_feature_rows.h"
 #include "support/contact_cases.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,17 +1,8 @@
 #include "simulation/contact_feature_rows.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <bit>
-#include <cmath>
-#include <limits>
-#include <numbers>
-#include <string>
-#include <vector>
-
 #include "base/vector3.h"
 #include "reference/contact_features.h"
+#include "support/test.h"
 
 namespace taxelsim::support {
 namespace {

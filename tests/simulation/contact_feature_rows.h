@@ -1,10 +1,8 @@
 // Contact features of the device against the twin's of the same forces, within tolerances derived here.
 #pragma once
 
-#include <cstddef>
-#include <span>
-
 #include "simulation/comparison.h"
+#include "support/test.h"
 
 namespace taxelsim::support {
 

@@ -1,8 +1,4 @@
 // Contact features on the device against the twin, over random images, sensors and workgroups, and regions against a flood fill.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-
 #include "base/vector3.h"
 #include "simulation/comparison.h"
 #include "simulation/contact_feature_images.h"
@@ -10,6 +6,7 @@
 #include "support/cases.h"
 #include "support/curved_sensor.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,15 +1,11 @@
 // Contact points of another engine: the device against the twin, and independence of the batch.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "reference/contact_points.h"
 #include "reference/psf.h"
 #include "simulation/comparison.h"
 #include "support/cases.h"
 #include "support/curved_sensor.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

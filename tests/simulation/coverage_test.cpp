@@ -1,19 +1,11 @@
 // Sample coverage of triangles against exact integer arithmetic. Vertices lie on fractions of the sample spacing that the device represents
 // exactly, so no sample may differ except those on an edge.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdint>
-#include <limits>
 #include <ostream>
-#include <string>
-#include <vector>
 
 #include "simulation/comparison.h"
 #include "simulation/raster.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

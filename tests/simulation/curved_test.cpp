@@ -1,14 +1,10 @@
 // Taxel lists on the device: fingertips and random lists against the twin, a flat list against its grid.
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-
 #include "reference/contact.h"
 #include "reference/load.h"
 #include "simulation/comparison.h"
 #include "support/cases.h"
 #include "support/curved_sensor.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

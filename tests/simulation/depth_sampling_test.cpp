@@ -1,13 +1,9 @@
 // What is said of depth sampling: objects that points may miss, and laws without area sampling.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <string>
-
 #include "simulation/comparison.h"
 #include "simulation/input_error.h"
 #include "simulation/small_objects.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 #include "taxelsim/log.h"
 
 namespace taxelsim {

@@ -1,13 +1,8 @@
 // The device against the double-precision reference on random scenes, every stage of every instance.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <numeric>
-#include <vector>
-
 #include "simulation/comparison.h"
 #include "support/cases.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,15 +1,9 @@
 // The law `elastic_layer` on the device: against the twin and closed forms, under loads, and over several frames.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <bit>
-#include <cmath>
-#include <numbers>
-
 #include "reference/elastic_layer.h"
 #include "simulation/comparison.h"
 #include "simulation/layer_scene.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

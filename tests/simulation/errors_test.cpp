@@ -1,16 +1,10 @@
 // Invalid input to a model or a simulator is rejected with a one-line message.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <string>
-
 #include "simulation/comparison.h"
 #include "simulation/input_error.h"
 #include "simulation/model_access.h"
 #include "simulation/passes/layer_memory.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

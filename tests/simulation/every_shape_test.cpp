@@ -3,19 +3,11 @@
 //
 // One table: the shapes are those of everyPressedShape(), the laws those of everyLaw(). An alternative of Shape or ContactLaw without a row
 // does not compile.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <tuple>
-#include <type_traits>
-#include <utility>
-
 #include "reference/frame.h"
 #include "simulation/comparison.h"
 #include "support/curved_sensor.h"
 #include "support/pressed_shapes.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

@@ -1,13 +1,8 @@
 // Each fast path against the plain path: the same bits, or the frame of the twin where another formula computes the same surface.
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <string>
-#include <vector>
-
 #include "simulation/comparison.h"
 #include "support/plain.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

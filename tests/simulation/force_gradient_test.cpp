@@ -1,12 +1,5 @@
 // Simulator::vjp(): against differences of forces of moved sensors, against the contraction of the taxels' Jacobian in double precision, in
 // batches, and what it refuses.
-#include <gtest/gtest.h>
-
-#include <bit>
-#include <cmath>
-#include <limits>
-#include <stdexcept>
-
 #include "reference/tactile_jacobian.h"
 #include "simulation/comparison.h"
 #include "simulation/input_error.h"
@@ -15,6 +8,7 @@
 #include "support/curved_sensor.h"
 #include "support/jacobian_cases.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,12 +1,8 @@
 // State of the skin (friction, bristles, relaxation): independent of batch and workgroup, at rest, and inside the friction cone.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "simulation/comparison.h"
 #include "simulation/friction_paths.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

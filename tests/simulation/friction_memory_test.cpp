@@ -1,10 +1,7 @@
 // Shear starts at zero for new objects, slots and episodes.
-#include <gtest/gtest.h>
-
-#include <utility>
-
 #include "simulation/comparison.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,11 +1,9 @@
 // Sensors whose skin keeps state from step to step, and random paths of objects over them.
 #pragma once
 
-#include <cstdint>
-#include <vector>
-
 #include "simulation/comparison.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim::support {
 

@@ -1,13 +1,9 @@
 // Shear with memory on the device: closed forms, spread, separation and loads.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "reference/psf.h"
 #include "simulation/comparison.h"
 #include "support/friction_cases.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -4,12 +4,6 @@
 // except for the error of the step itself: the stiffness times the rounding of the displacement, the unsure share of a step before touch,
 // and mu times the width of the pressure. Where it is unsure whether, or which, object touched before, any traction inside the cones is
 // allowed. For the law lugre e bounds the bend of a bristle, in units of friction.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <optional>
-
 #include "base/vector3.h"
 #include "reference/contact.h"
 #include "reference/frame.h"
@@ -19,6 +13,7 @@
 #include "support/cases.h"
 #include "support/curved_sensor.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,13 +1,8 @@
 // What a step of some instances refuses, and that nothing changes then.
-#include <gtest/gtest.h>
-
-#include <stdexcept>
-#include <string>
-#include <vector>
-
 #include "simulation/comparison.h"
 #include "simulation/input_error.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,16 +1,9 @@
 // A step of some instances computes the first frames of new episodes and leaves all other instances as they are: every episode has the
 // bits of the same episode alone in a simulator of its own.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "simulation/comparison.h"
 #include "support/plain.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

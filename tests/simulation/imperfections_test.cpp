@@ -2,18 +2,11 @@
 // off.
 #include "reference/imperfections.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <bit>
-#include <cmath>
-#include <functional>
-#include <numbers>
-
 #include "reference/lag.h"
 #include "simulation/comparison.h"
 #include "support/curved_sensor.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,10 +1,7 @@
 // The message of an error that a call must throw.
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <string>
-
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim::support {

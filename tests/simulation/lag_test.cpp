@@ -1,21 +1,11 @@
 // Stage 4 on the device: closed forms under a flat punch, and the twin over random parameters and paths.
 #include "reference/lag.h"
+
 #include "reference/readout.h"
 #include "simulation/comparison.h"
 #include "support/cases.h"
 #include "support/random_scene.h"
-#include "taxelsim/error.h"
-
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <functional>
-#include <limits>
-
-#include "reference/readout.h"
-#include "simulation/comparison.h"
-#include "support/random_scene.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

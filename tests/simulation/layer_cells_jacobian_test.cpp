@@ -1,18 +1,11 @@
 // The tactile Jacobian of an elastic layer with area sampling: the twin against its own differences, the device against the twin and
 // against differences of its frames.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <numeric>
-#include <vector>
-
 #include "reference/tactile_jacobian.h"
 #include "simulation/comparison.h"
 #include "simulation/layer_scene.h"
 #include "support/cases.h"
 #include "support/jacobian_cases.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,15 +1,10 @@
 // Relaxation of the law `elastic_layer` with area sampling: held and sliding pins on the device, against closed forms and the twin.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <bit>
-#include <cmath>
-
 #include "reference/elastic_layer.h"
 #include "simulation/comparison.h"
 #include "simulation/layer_scene.h"
 #include "support/cases.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,18 +1,12 @@
 // The law `elastic_layer` with area sampling on the device: small flat objects against closed forms and the twin, under loads, and over
 // frames.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <bit>
-#include <cmath>
-
 #include "reference/frame.h"
 #include "sensor/flat_punch.h"
 #include "simulation/comparison.h"
 #include "simulation/input_error.h"
 #include "simulation/layer_scene.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

@@ -1,14 +1,9 @@
 // The tactile Jacobian of an elastic layer: the twin against differences of moved sensors, the device against the twin.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <bit>
-#include <cmath>
-
 #include "layer_scene.h"
 #include "reference/tactile_jacobian.h"
 #include "support/cases.h"
 #include "support/jacobian_cases.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

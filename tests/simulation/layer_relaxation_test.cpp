@@ -1,13 +1,8 @@
 // Relaxation of the law `elastic_layer` on the device: against the twin and general properties. Closed forms: relaxation_test.cpp.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numeric>
-
 #include "reference/elastic_layer.h"
 #include "simulation/layer_scene.h"
 #include "support/cases.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,10 +1,7 @@
 // Shear of the law `elastic_layer` on the device: general properties. Closed forms: friction_test.cpp; against the twin:
 // layer_shear_twin_test.cpp.
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "simulation/layer_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

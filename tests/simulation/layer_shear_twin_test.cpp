@@ -1,13 +1,9 @@
 // Shear of the law `elastic_layer` on the device against the twin on random paths, within bounds that are updated along each path.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "base/vector3.h"
 #include "reference/elastic_layer.h"
 #include "simulation/layer_scene.h"
 #include "support/cases.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

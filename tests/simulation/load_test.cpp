@@ -1,16 +1,11 @@
 // Load-driven instances on the device: the load is carried at the offset of the reference, or reported as out of reach.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
-#include "reference/contact.h"
 #include "reference/load.h"
+#include "reference/contact.h"
 #include "simulation/comparison.h"
 #include "support/cases.h"
 #include "support/curved_sensor.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

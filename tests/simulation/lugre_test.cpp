@@ -1,12 +1,8 @@
 // The law lugre on the device: closed forms, and bounds at any speed.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "simulation/comparison.h"
 #include "support/cases.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

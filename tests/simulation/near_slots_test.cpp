@@ -1,14 +1,11 @@
 // Objects that are far from a sensor are not sent to the device, and change no bit.
 #include "simulation/near_slots.h"
 
-#include <gtest/gtest.h>
-
-#include <bit>
-
 #include "simulation/comparison.h"
 #include "simulation/friction_paths.h"
 #include "support/curved_sensor.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,18 +1,10 @@
 // Contacts found by ODE, the paper's engine, through the `contacts` source, against `winkler` on the same poses. Where theory says that the
 // two agree it is asserted; where they differ the differences are printed, and docs/validation.md quotes them.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <memory>
-#include <numbers>
-#include <string>
-
+#include "support/ode_contacts.h"
 #include "reference/skin_mesh.h"
 #include "simulation/comparison.h"
-#include "support/ode_contacts.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

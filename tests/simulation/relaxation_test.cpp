@@ -1,13 +1,9 @@
 // A skin that relaxes on the device: closed forms, loads, friction and other laws.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "simulation/comparison.h"
 #include "support/cases.h"
 #include "support/random_scene.h"
 #include "support/relaxation_cases.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

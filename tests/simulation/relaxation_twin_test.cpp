@@ -1,17 +1,11 @@
 // A skin that relaxes on the device against the twin, on random sensors, objects and paths.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <optional>
-#include <utility>
-
 #include "reference/contact.h"
 #include "reference/load.h"
 #include "simulation/comparison.h"
 #include "support/cases.h"
 #include "support/curved_sensor.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,20 +1,13 @@
 // Factors per instance on the skin: against a sensor whose own settings include them, on the device and in double precision.
 #include "taxelsim/skin_variation.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <functional>
-#include <numeric>
-#include <string>
-
 #include "base/philox.h"
 #include "reference/frame.h"
 #include "simulation/comparison.h"
 #include "simulation/input_error.h"
 #include "support/curved_sensor.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

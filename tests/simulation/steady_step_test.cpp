@@ -1,11 +1,8 @@
 // A step allocates no memory once every kind of step has run, neither in this library nor in the C++ code of the driver.
-#include <gtest/gtest.h>
-
-#include <memory>
-
 #include "simulation/comparison.h"
 #include "support/allocations.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

@@ -1,18 +1,10 @@
 #include "simulation/tactile_jacobian_rows.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "base/vector3.h"
 #include "reference/area_depth.h"
 #include "reference/psf.h"
 #include "reference/tactile_jacobian.h"
+#include "support/test.h"
 
 namespace taxelsim::support {
 namespace {

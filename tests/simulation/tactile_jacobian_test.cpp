@@ -1,10 +1,4 @@
 // The tactile Jacobian on the device: against the twin on random scenes, against differences of moved sensors, and in batches.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <bit>
-#include <cmath>
-
 #include "base/vector3.h"
 #include "reference/imperfections.h"
 #include "reference/psf.h"
@@ -14,6 +8,7 @@
 #include "support/curved_sensor.h"
 #include "support/jacobian_cases.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

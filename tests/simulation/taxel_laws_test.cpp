@@ -1,17 +1,12 @@
 // Laws with a pass over the taxels, on the device. The contact forces are those of a winkler skin of the same stiffness; the response of
 // the taxels is compared with the twin's.
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <numeric>
-
-#include "reference/psf.h"
 #include "reference/taxel_laws.h"
+#include "reference/psf.h"
 #include "simulation/comparison.h"
 #include "support/cases.h"
 #include "support/curved_sensor.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {

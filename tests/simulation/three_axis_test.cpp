@@ -1,17 +1,10 @@
 // Electronics of three-axis taxels on the device: against the double-precision twin, which reads the forces of the same frames, and closed
 // forms.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <string>
-#include <vector>
-
 #include "reference/three_axis.h"
 #include "simulation/comparison.h"
 #include "simulation/input_error.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

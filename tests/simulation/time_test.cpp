@@ -1,13 +1,8 @@
 // What lasts from step to step: damping, the sensor's frame rate, and what a reset forgets.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <optional>
-
 #include "simulation/comparison.h"
 #include "support/cases.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

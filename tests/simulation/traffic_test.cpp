@@ -1,10 +1,7 @@
 // What a simulator counts of its exchange with the device. Sizes are written out, not taken from the structs that the code sends.
-#include <gtest/gtest.h>
-
-#include <vector>
-
 #include "simulation/comparison.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim {
 namespace {

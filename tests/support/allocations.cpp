@@ -1,10 +1,9 @@
 // Replaces operator new of the whole program. Not linked into sanitizer builds, which replace it themselves.
 #include "support/allocations.h"
 
-#include <cstddef>
-#include <cstdlib>
 #include <new>
-#include <string>
+
+#include "support/test.h"
 
 namespace taxelsim::support {
 namespace {

@@ -2,11 +2,7 @@
 // scenes), TAXELSIM_CASES=N at most N random scenes of each kind. By default tests run the few that cover each branch.
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cstdlib>
-#include <string>
+#include "support/test.h"
 
 namespace taxelsim::support {
 

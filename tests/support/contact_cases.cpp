@@ -1,10 +1,6 @@
 #include "support/contact_cases.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
+#include "support/test.h"
 
 namespace taxelsim::support {
 namespace {

@@ -1,10 +1,8 @@
 // Random contacts with known features (edges across an array, spheres, plates, tilted punches) and the expected errors.
 #pragma once
 
-#include <array>
-#include <vector>
-
 #include "support/random_scene.h"
+#include "support/test.h"
 #include "taxelsim/contact_type.h"
 
 namespace taxelsim::support {

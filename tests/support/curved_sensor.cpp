@@ -1,10 +1,7 @@
 #include "support/curved_sensor.h"
 
-#include <cmath>
-#include <numbers>
-#include <string>
-
 #include "base/vector3.h"
+#include "support/test.h"
 
 namespace taxelsim::support {
 namespace {

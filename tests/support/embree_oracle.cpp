@@ -2,11 +2,8 @@
 
 #include <embree3/rtcore.h>
 
-#include <algorithm>
-#include <limits>
-#include <stdexcept>
-
 #include "reference/samples.h"
+#include "support/test.h"
 
 namespace taxelsim::support {
 namespace {

@@ -2,11 +2,8 @@
 // and not on a silhouette.
 #pragma once
 
-#include <memory>
-#include <span>
-#include <vector>
-
 #include "reference/depth.h"
+#include "support/test.h"
 #include "taxelsim/object.h"
 
 namespace taxelsim::support {

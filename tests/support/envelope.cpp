@@ -1,10 +1,8 @@
 #include "support/envelope.h"
 
-#include <algorithm>
-#include <limits>
-
 #include "base/vector3.h"
 #include "reference/psf.h"
+#include "support/test.h"
 
 namespace taxelsim::support {
 namespace {

@@ -5,14 +5,9 @@
 // bounds pass through them as intervals and are widened by the rounding of each stage.
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <optional>
-#include <span>
-#include <vector>
-
 #include "reference/depth.h"
 #include "reference/frame.h"
+#include "support/test.h"
 
 namespace taxelsim::support {
 

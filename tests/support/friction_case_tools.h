@@ -1,12 +1,9 @@
 // Helpers of the closed forms of friction: sensors of a given sample spacing, and paths of one object.
 #pragma once
 
-#include <cmath>
-#include <numbers>
-#include <vector>
-
 #include "support/friction_cases.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim::support {
 

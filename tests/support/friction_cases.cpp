@@ -1,13 +1,8 @@
 #include "support/friction_cases.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "support/friction_case_tools.h"
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim::support {
 namespace {

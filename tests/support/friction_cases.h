@@ -6,10 +6,7 @@
 // 1995). The other forms integrate the same springs over the contact and are derived next to their tests.
 #pragma once
 
-#include <array>
-#include <functional>
-#include <vector>
-
+#include "support/test.h"
 #include "taxelsim/object.h"
 #include "taxelsim/sensor.h"
 

@@ -1,12 +1,8 @@
 // Closed forms of friction under rolling bodies and on an elastic layer.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "base/vector3.h"
 #include "support/friction_case_tools.h"
 #include "support/friction_cases.h"
+#include "support/test.h"
 
 namespace taxelsim::support {
 namespace {

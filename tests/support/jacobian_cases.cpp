@@ -1,13 +1,9 @@
 #include "support/jacobian_cases.h"
 
-#include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <numbers>
-
 #include "base/vector3.h"
 #include "reference/contact_features.h"
 #include "reference/frame.h"
+#include "support/test.h"
 
 namespace taxelsim::support {
 namespace {

@@ -1,10 +1,8 @@
 // Oracle of the tactile Jacobian: random contacts, and central differences of features on a much finer sample grid.
 #pragma once
 
-#include <array>
-#include <vector>
-
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim::support {
 

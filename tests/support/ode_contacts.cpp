@@ -2,10 +2,7 @@
 
 #include <ode/ode.h>
 
-#include <algorithm>
-#include <cmath>
-#include <stdexcept>
-#include <type_traits>
+#include "support/test.h"
 
 namespace taxelsim::support {
 namespace {

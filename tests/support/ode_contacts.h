@@ -3,9 +3,7 @@
 // Trusted as a record of what ODE reports: position and number of points depend on the kinds of shapes and on triangles.
 #pragma once
 
-#include <memory>
-#include <vector>
-
+#include "support/test.h"
 #include "taxelsim/contact_point.h"
 #include "taxelsim/object.h"
 #include "taxelsim/sensor.h"

@@ -1,8 +1,7 @@
 // Sets TAXELSIM_PLAIN during the lifetime of an object.
 #pragma once
 
-#include <cstdlib>
-#include <string>
+#include "support/test.h"
 
 namespace taxelsim::support {
 

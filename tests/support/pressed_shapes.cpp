@@ -1,11 +1,7 @@
 #include "support/pressed_shapes.h"
 
-#include <cmath>
-#include <numbers>
-#include <type_traits>
-#include <utility>
-
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim::support {
 namespace {

@@ -1,9 +1,7 @@
 // Shapes that press on a flat skin, with the volume that they displace in closed form.
 #pragma once
 
-#include <functional>
-#include <vector>
-
+#include "support/test.h"
 #include "taxelsim/object.h"
 
 namespace taxelsim::support {

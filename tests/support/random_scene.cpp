@@ -1,14 +1,8 @@
 #include "support/random_scene.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <map>
-#include <numbers>
-#include <string>
-
 #include "base/vector3.h"
 #include "reference/load.h"
+#include "support/test.h"
 
 namespace taxelsim::support {
 namespace {

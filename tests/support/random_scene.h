@@ -1,11 +1,8 @@
 // Sensors, objects and poses for tests: fixed ones by name, random ones by seed. A seed gives the same scene on every machine.
 #pragma once
 
-#include <cstdint>
-#include <random>
-#include <vector>
-
 #include "reference/depth.h"
+#include "support/test.h"
 #include "taxelsim/object.h"
 #include "taxelsim/sensor.h"
 

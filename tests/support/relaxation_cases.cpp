@@ -1,12 +1,7 @@
 #include "support/relaxation_cases.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "support/random_scene.h"
+#include "support/test.h"
 
 namespace taxelsim::support {
 namespace {

@@ -7,10 +7,7 @@
 // H. Lee and J. R. M. Radok, J. Appl. Mech. 27, 438-444, 1960).
 #pragma once
 
-#include <functional>
-#include <optional>
-#include <vector>
-
+#include "support/test.h"
 #include "taxelsim/object.h"
 #include "taxelsim/sensor.h"
 
