@@ -129,9 +129,7 @@ void stepAll(const ContactSet& set, Body body) {
   const Model model(sharedDevice(), {.sensor = set.sensor, .objects = set.objects});
   Simulator simulator(
       model, {.num_instances = static_cast<int>(set.touches.size()), .num_slots = static_cast<int>(set.touches.front().ids.size())});
-  setTouches(simulator, set.touches);
-  simulator.step(kDt);
-  body(simulator.read());
+  body(stepOnce(simulator, set.touches, kDt));
 }
 
 template <typename Check>

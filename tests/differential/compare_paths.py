@@ -7,8 +7,6 @@ scene and step, and exits with 1 if there are any. The path for polyhedra is on 
 gives the same scene on every machine.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

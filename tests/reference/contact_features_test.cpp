@@ -66,8 +66,7 @@ TEST(ContactFeatures, RegionsOfEqualForceAreSortedByLowestTaxel) {
 
 TEST(ContactFeatures, RegionsDoNotCrossPatches) {
   Sensor sensor = square(2, 2);
-  sensor.patches.push_back(sensor.patches[0]);
-  sensor.patches[1].X_SP.position = {2 * kPitch, 0, 0};
+  support::addPatch(sensor, {.position = {2 * kPitch, 0, 0}});
   const ContactRows rows = cleanRows(sensor, imageOf("0011"
                                                      "1100"));
   ASSERT_EQ(taxelsOf(rows), (std::vector<std::vector<int>>{{2, 3}, {4, 5}}));

@@ -27,42 +27,14 @@ std::vector<std::vector<Push>> simulateWithReference(const Sensor& sensor, const
 // Relative: sums of a few thousand products; displacements of 1e-6 m as differences of positions of 1e-2 m.
 const FrictionCases kTwin{simulateWithReference, 1e-9};
 
-TEST(FrictionClosedForm, DiscTwist) {
-  kTwin.discTwist();
+class FrictionClosedForm : public ::testing::TestWithParam<support::FrictionCase> {};
+
+TEST_P(FrictionClosedForm, Holds) {
+  (kTwin.*GetParam().check)();
 }
-TEST(FrictionClosedForm, SphereTwist) {
-  kTwin.sphereTwist();
-}
-TEST(FrictionClosedForm, PartialSlipOfAFlat) {
-  kTwin.partialSlipOfAFlat();
-}
-TEST(FrictionClosedForm, PartialSlipOfASphere) {
-  kTwin.partialSlipOfASphere();
-}
-TEST(FrictionClosedForm, PartialSlipOfACylinder) {
-  kTwin.partialSlipOfACylinder();
-}
-TEST(FrictionClosedForm, LoopAreas) {
-  kTwin.loopAreas();
-}
-TEST(FrictionClosedForm, SlantedPress) {
-  kTwin.slantedPress();
-}
-TEST(FrictionClosedForm, RollingCylinder) {
-  kTwin.rollingCylinder();
-}
-TEST(FrictionClosedForm, RollingSphere) {
-  kTwin.rollingSphere();
-}
-TEST(FrictionClosedForm, SlideStopSlideBack) {
-  kTwin.slideStopSlideBack();
-}
-TEST(FrictionClosedForm, SlipTurnsTowardsTheMotion) {
-  kTwin.slipTurnsTowardsTheMotion();
-}
-TEST(FrictionClosedForm, ElasticLayerSticksAndSlips) {
-  kTwin.elasticLayerSticksAndSlips();
-}
+
+INSTANTIATE_TEST_SUITE_P(Cases, FrictionClosedForm, ::testing::ValuesIn(support::kFrictionCases),
+                         [](const auto& row) { return row.param.name; });
 
 }  // namespace
 }  // namespace taxelsim

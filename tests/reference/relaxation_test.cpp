@@ -24,42 +24,14 @@ std::vector<Pressed> simulateWithReference(const Sensor& sensor, const Object& o
 
 const RelaxationCases kTwin{simulateWithReference, 1e-12};
 
-TEST(RelaxationClosedForm, StepOfDepth) {
-  kTwin.stepOfDepth();
+class RelaxationClosedForm : public ::testing::TestWithParam<support::RelaxationCase> {};
+
+TEST_P(RelaxationClosedForm, Holds) {
+  (kTwin.*GetParam().check)();
 }
-TEST(RelaxationClosedForm, AnyTimes) {
-  kTwin.anyTimes();
-}
-TEST(RelaxationClosedForm, Ramp) {
-  kTwin.ramp();
-}
-TEST(RelaxationClosedForm, GrowingSphere) {
-  kTwin.growingSphere();
-}
-TEST(RelaxationClosedForm, DeadLoadOnAFlat) {
-  kTwin.deadLoadOnAFlat();
-}
-TEST(RelaxationClosedForm, DeadLoadOnASphere) {
-  kTwin.deadLoadOnASphere();
-}
-TEST(RelaxationClosedForm, FreeRecovery) {
-  kTwin.freeRecovery();
-}
-TEST(RelaxationClosedForm, PressedAgain) {
-  kTwin.pressedAgain();
-}
-TEST(RelaxationClosedForm, LossOfACycle) {
-  kTwin.lossOfACycle();
-}
-TEST(RelaxationClosedForm, CyclesLose) {
-  kTwin.cyclesLose();
-}
-TEST(RelaxationClosedForm, LayerUnderAPunch) {
-  kTwin.layerUnderAPunch();
-}
-TEST(RelaxationClosedForm, LayerUnderASphere) {
-  kTwin.layerUnderASphere();
-}
+
+INSTANTIATE_TEST_SUITE_P(Cases, RelaxationClosedForm, ::testing::ValuesIn(support::kRelaxationCases),
+                         [](const auto& row) { return row.param.name; });
 
 }  // namespace
 }  // namespace taxelsim

@@ -111,8 +111,7 @@ TEST(AreaSamplingOnEveryDriver, ForceAndCentreAtAnyPlace) {
     const std::vector<int> ids(kPlaces, static_cast<int>(c));
     const auto run = [&](Simulator& simulator) {
       simulator.setObjects(ids, poses);
-      simulator.step(kDt);
-      return errorsOf(simulator.read(), poses, kStiffness * all[c].volume(depth));
+      return errorsOf(support::stepOnce(simulator, kDt), poses, kStiffness * all[c].volume(depth));
     };
     const Errors errors = run(area_simulator);
     EXPECT_LE(errors.force, all[c].error);
@@ -137,8 +136,7 @@ TEST(AreaSamplingOnEveryDriver, LoadsAreCarried) {
     }
     simulator.setObjects(std::vector<int>(kPlaces, static_cast<int>(c)), places(all[c], 0, kPlaces));
     simulator.setLoads(loads);
-    simulator.step(kDt);
-    const FrameView frame = simulator.read();
+    const FrameView frame = support::stepOnce(simulator, kDt);
     for (int i = 0; i < kPlaces; ++i) {
       EXPECT_TRUE(frame.ground_truth.load_reached[i]) << loads[i] << " N";
       EXPECT_NEAR(-frame.ground_truth.contact_wrench[6 * i + 2], loads[i], kCarried * loads[i]);
@@ -155,8 +153,7 @@ TEST(AreaSampling, SlidesWithoutJumps) {
   std::vector<Pose> poses;
   for (int i = 0; i < kSteps; ++i) poses.push_back({{i * kStep - 3e-3, 0, 5e-3 - kDepth}, {1, 0, 0, 0}});
   simulator.setObjects(std::vector<int>(kSteps, 0), poses);
-  simulator.step(kDt);
-  const FrameView frame = simulator.read();
+  const FrameView frame = support::stepOnce(simulator, kDt);
   const int n = numTaxels(model.sensor());
   const double swept = kStiffness * kDepth * kStep * 3.4e-3;
   double largest = 0;
@@ -178,8 +175,7 @@ TEST(AreaSampling, PressesNoDeeperThanTheSkin) {
                     {.sensor = areaSensor(), .objects = {Object(Cylinder{radius, 12e-3}), pressedPin(radius, 12e-3).object}});
   Simulator simulator(model, {.num_instances = 2});
   simulator.setObjects(std::vector<int>{0, 1}, std::vector<Pose>(2, Pose{{0.2e-3, 0.1e-3, 6e-3 - 3e-3}, {1, 0, 0, 0}}));
-  simulator.step(kDt);
-  const FrameView frame = simulator.read();
+  const FrameView frame = support::stepOnce(simulator, kDt);
   const double thickness = 2e-3, cells = kPi * radius * radius / (0.85e-3 * 0.85e-3), all_cells = 16.0 * numTaxels(model.sensor());
   for (int i = 0; i < 2; ++i) {
     EXPECT_NEAR(-frame.ground_truth.contact_wrench[6 * i + 2] / (kStiffness * kPi * radius * radius * thickness), 1,
@@ -238,11 +234,9 @@ TEST_P(AreaSamplingTwin, DepthsOfAllTaxels) {
     }
     touches.push_back(touch);
   }
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
-  Simulator simulator(model, {.num_instances = kInstances, .num_slots = 2, .outputs = {.penetration_depth = true}});
-  support::setTouches(simulator, touches);
-  simulator.step(kDt);
-  const FrameView frame = simulator.read();
+  Simulator simulator =
+      support::makeSimulator(sensor, objects, {.num_instances = kInstances, .num_slots = 2, .outputs = {.penetration_depth = true}});
+  const FrameView frame = support::stepOnce(simulator, touches, kDt);
   support::expectWellFormed(frame, sensor, kInstances);
   for (int i = 0; i < kInstances; ++i) {
     SCOPED_TRACE("instance " + std::to_string(i) + ": objects " + std::to_string(touches[static_cast<std::size_t>(i)].ids[0]) + ", " +
@@ -257,15 +251,13 @@ TEST(AreaSampling, ShearOfAPin) {
   const double radius = 0.75e-3, depth = 0.3e-3, area = kPi * radius * radius, stick = 10e-6, slip = 1e-3;
   Sensor sensor = areaSensor();
   sensor.skin.friction = {.tangential_stiffness = 1e8, .friction_coefficient = 0.5};
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Cylinder{radius, 12e-3})}});
-  Simulator simulator(model, {.num_instances = kPlaces});
+  Simulator simulator = support::makeSimulator(sensor, {Object(Cylinder{radius, 12e-3})}, {.num_instances = kPlaces});
   std::vector<Pose> poses = places(cases(depth)[0], depth, kPlaces);
   const std::vector<int> ids(kPlaces, 0);
   const auto shearAfter = [&](double motion) {
     for (Pose& pose : poses) pose.position[0] += motion;
     simulator.setObjects(ids, poses);
-    simulator.step(kDt);
-    return simulator.read();
+    return support::stepOnce(simulator, kDt);
   };
   shearAfter(0);
   const FrameView stuck = shearAfter(stick);
@@ -286,17 +278,14 @@ TEST(AreaSampling, RelaxesUnderAPin) {
   const double radius = 0.75e-3, depth = 0.3e-3, fraction = 0.4, time = 0.01, force = kStiffness * kPi * radius * radius * depth;
   Sensor sensor = areaSensor();
   sensor.skin.relaxation = {{.fraction = fraction, .time = time}};
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Cylinder{radius, 12e-3})}});
-  Simulator simulator(model, {.num_instances = kPlaces});
+  Simulator simulator = support::makeSimulator(sensor, {Object(Cylinder{radius, 12e-3})}, {.num_instances = kPlaces});
   const std::vector<Pose> poses = places(cases(depth)[0], depth, kPlaces);
   simulator.setObjects(std::vector<int>(kPlaces, 0), poses);
-  simulator.step(time);
-  const FrameView pressed = simulator.read();
+  const FrameView pressed = support::stepOnce(simulator, time);
   for (std::size_t i = 0; i < kPlaces; ++i) {
     EXPECT_NEAR(-pressed.ground_truth.contact_wrench[6 * i + 2] / force, 1, facetError(depth, radius));
   }
-  simulator.step(50 * time);
-  const FrameView relaxed = simulator.read();
+  const FrameView relaxed = support::stepOnce(simulator, 50 * time);
   for (std::size_t i = 0; i < kPlaces; ++i) {
     EXPECT_NEAR(-relaxed.ground_truth.contact_wrench[6 * i + 2] / force, 1 - fraction, facetError(depth, radius));
   }
@@ -316,8 +305,7 @@ TEST(AreaSampling, JacobianOfTheForce) {
     const double step = 1e-6, rate = kStiffness * (all[c].volume(depth + step) - all[c].volume(depth - step)) / (2 * step);
     const auto run = [&](Simulator& simulator) {
       simulator.setObjects(std::vector<int>(kPlaces, static_cast<int>(c)), poses);
-      simulator.step(kDt);
-      const FrameView frame = simulator.read();
+      const FrameView frame = support::stepOnce(simulator, kDt);
       struct {
         double depth, slide, centre;
       } worst{};

@@ -71,15 +71,13 @@ struct Run {
 
 Run run(const Scene& scene, const std::vector<std::vector<Touch>>& steps, const std::string& plain) {
   const support::Plain without(plain);
-  const Model model(support::sharedDevice(), {.sensor = scene.sensor, .objects = scene.objects});
-  Simulator simulator(model, {.num_instances = kInstances, .outputs = scene.outputs});
+  Simulator simulator = support::makeSimulator(scene.sensor, scene.objects, {.num_instances = kInstances, .outputs = scene.outputs});
   Run run;
   for (std::size_t step = 0; step < steps.size(); ++step) {
     support::setTouches(simulator, steps[step]);
     // A load search needs surfaces of any height, so it uses no candidates.
     simulator.setLoad(3, step == steps.size() / 2 && !std::holds_alternative<Proximity>(scene.sensor.skin.law) ? 1.0f : kPoseDriven);
-    simulator.step(kDt);
-    const FrameView frame = simulator.read();
+    const FrameView frame = support::stepOnce(simulator, kDt);
     for (int i = 0; i < kInstances; ++i) run.bits.push_back(support::bitsOf(frame, i, kInstances));
     run.num_coherent += simulator.timing().num_coherent;
   }

@@ -73,8 +73,7 @@ Simulator simulatorOf(const Sensor& sensor, const std::vector<Round>& rounds) {
 // Worst relative error of the force.
 double forceError(Simulator& simulator, int id, const Round& round, double depth, const Winkler& law) {
   simulator.setObjects(std::vector<int>(kPlaces, id), places(round, depth));
-  simulator.step(kDt);
-  const FrameView frame = simulator.read();
+  const FrameView frame = support::stepOnce(simulator, kDt);
   const auto pressure = [&](double r) { return law.normal_contact_stiffness * std::pow(round.depth(r), law.normal_exponent); };
   const double expected = overContact(round, pressure);
   double worst = 0;
@@ -124,8 +123,7 @@ double shearError(Simulator& simulator, int id, const Round& round, double depth
       poses[i].rotation = axisAngle({0, 0, 1}, turn * part);
     }
     simulator.setObjects(std::vector<int>(kPlaces, id), poses);
-    simulator.step(kDt);
-    frame = simulator.read();
+    frame = support::stepOnce(simulator, kDt);
   }
   const auto traction = [&](double r) {
     return std::min(kTangentialStiffness * (slide + turn * r), kFriction * kStiffness * round.depth(r)) * (turn > 0 ? r : 1);
@@ -154,9 +152,7 @@ std::vector<std::array<double, 6>> slidWedge(const std::vector<double>& slides) 
   Simulator simulator(Model(support::sharedDevice(), {.sensor = sensor, .objects = {wedge}}), {.num_instances = 1});
   std::vector<std::array<double, 6>> wrenches;
   for (std::size_t k = 0; k <= slides.size(); ++k) {
-    simulator.setObjects(std::vector<int>{0}, std::vector<Pose>{{{0, k > 0 ? slides[k - 1] : 0, -kDeepest}, {1, 0, 0, 0}}});
-    simulator.step(kDt);
-    const FrameView frame = simulator.read();
+    const FrameView frame = support::stepOnce(simulator, {{{0}, {{{0, k > 0 ? slides[k - 1] : 0, -kDeepest}, {1, 0, 0, 0}}}}}, kDt);
     if (k == 0) continue;
     std::ranges::copy_n(frame.ground_truth.contact_wrench.begin(), 6, wrenches.emplace_back().begin());
   }
@@ -234,14 +230,11 @@ TEST_P(CellPointsOnEveryDriver, ShearOfAllTaxels) {
     pose.position[2] -= 0.2e-3;
     touches.push_back({.ids = {i}, .X_SO = {pose}});
   }
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
-  Simulator simulator(model, {.num_instances = kInstances, .outputs = {.tactile_shear_force = true}});
+  Simulator simulator = support::makeSimulator(sensor, objects, {.num_instances = kInstances, .outputs = {.tactile_shear_force = true}});
   std::vector<reference::Frame> twins(kInstances);
   FrameView frame;
   for (int step = 0; step < 3; ++step) {
-    support::setTouches(simulator, touches);
-    simulator.step(kDt);
-    frame = simulator.read();
+    frame = support::stepOnce(simulator, touches, kDt);
     for (std::size_t i = 0; i < kInstances; ++i) {
       const std::vector<reference::PlacedObject> placed = touches[i].placed(objects);
       const reference::FrictionState before = twins[i].shear.state;

@@ -17,11 +17,8 @@ struct Result {
 };
 
 Result run(const Sensor& sensor, const Object& object, const Pose& X_SO) {
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {object}});
-  Simulator simulator(model, {});
-  simulator.setObjects(std::vector<int>{0}, std::vector<Pose>{X_SO});
-  simulator.step(1e-3);
-  const FrameView frame = simulator.read();
+  Simulator simulator = support::makeSimulator(sensor, {object});
+  const FrameView frame = support::stepOnce(simulator, {{{0}, {X_SO}}}, 1e-3);
   return {frame.ground_truth.total_force[0], frame.ground_truth.contact_wrench[2], frame.ground_truth.center_of_pressure[0],
           frame.ground_truth.center_of_pressure[1]};
 }
@@ -96,11 +93,8 @@ TEST(ClosedFormsOnEveryDriver, Cone) {
 TEST(ClosedFormsOnEveryDriver, TiltedHalfSpace) {
   const double phi = 0.04, depth = 0.8e-3, side = 20e-3;
   const Sensor sensor = fineSensor();
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(HalfSpace{})}});
-  Simulator simulator(model, {});
-  simulator.setObjects(std::vector<int>{0}, std::vector<Pose>{{{0, 0, -depth}, axisAngle({0, 1, 0}, phi)}});
-  simulator.step(1e-3);
-  const FrameView frame = simulator.read();
+  Simulator simulator = support::makeSimulator(sensor, {Object(HalfSpace{})});
+  const FrameView frame = support::stepOnce(simulator, {{{0}, {{{0, 0, -depth}, axisAngle({0, 1, 0}, phi)}}}}, 1e-3);
   EXPECT_NEAR(frame.ground_truth.total_force[0] / (kStiffness * side * side * depth), 1, kFloatError);
   // M = k tan(phi) b a^3 / 12, less 1/160^2 for the midpoint rule.
   const double moment = kStiffness * std::tan(phi) * side * side * side * side / 12 * (1 - 1.0 / (160 * 160));

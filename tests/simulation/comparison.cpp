@@ -197,6 +197,21 @@ void setTouches(Simulator& simulator, const std::vector<Touch>& touches) {
   simulator.setObjects(ids, X_SO);
 }
 
+Simulator makeSimulator(const Sensor& sensor, const std::vector<Object>& objects, const SimulatorOptions& options) {
+  return Simulator(Model(sharedDevice(), {.sensor = sensor, .objects = objects}), options);
+}
+
+FrameView stepOnce(Simulator& simulator, const std::vector<Touch>& touches, double dt, const std::vector<float>& loads) {
+  setTouches(simulator, touches);
+  if (!loads.empty()) simulator.setLoads(loads);
+  return stepOnce(simulator, dt);
+}
+
+FrameView stepOnce(Simulator& simulator, double dt) {
+  simulator.step(dt);
+  return simulator.read();
+}
+
 std::vector<std::uint32_t> measuredBitsOf(const FrameView& frame, int instance, int num_instances) {
   const auto counts = sliceOf(frame.tactile_image, instance, num_instances);
   std::vector<std::uint32_t> bits(counts.begin(), counts.end());
@@ -221,6 +236,12 @@ std::vector<std::uint32_t> bitsOf(const FrameView& frame, int instance, int num_
   appendBits(truth.load_reached, instance, num_instances, bits);
   appendBits(truth.off_array_contacts, instance, num_instances, bits);
   appendBits(truth.contact_iterations, instance, num_instances, bits);
+  return bits;
+}
+
+std::vector<std::vector<std::uint32_t>> bitsOfAll(const FrameView& frame, int num_instances) {
+  std::vector<std::vector<std::uint32_t>> bits;
+  for (int i = 0; i < num_instances; ++i) bits.push_back(bitsOf(frame, i, num_instances));
   return bits;
 }
 

@@ -53,8 +53,18 @@ struct Touch {
 // Sets the objects of all instances.
 void setTouches(Simulator& simulator, const std::vector<Touch>& touches);
 
+// A simulator with a model of its own on the shared device.
+Simulator makeSimulator(const Sensor& sensor, const std::vector<Object>& objects, const SimulatorOptions& options = {});
+
+// Sets the objects, and the loads if there are any, of all instances, advances by `dt` (s) and reads the frame.
+FrameView stepOnce(Simulator& simulator, const std::vector<Touch>& touches, double dt, const std::vector<float>& loads = {});
+// Advances by `dt` (s) and reads the frame.
+FrameView stepOnce(Simulator& simulator, double dt);
+
 // Bits of all values of one instance in a frame.
 std::vector<std::uint32_t> bitsOf(const FrameView& frame, int instance, int num_instances);
+// Bits of every instance, (num_instances).
+std::vector<std::vector<std::uint32_t>> bitsOfAll(const FrameView& frame, int num_instances);
 // Bits of the values that are held between sensor frames.
 std::vector<std::uint32_t> measuredBitsOf(const FrameView& frame, int instance, int num_instances);
 

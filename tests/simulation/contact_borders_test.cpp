@@ -23,8 +23,7 @@ class BordersOnEveryDriver : public ::testing::Test {
   // Force on each taxel, then the force off the array as last element.
   std::vector<double> forcesOf(const Contacts& contacts) {
     simulator_.setContacts(0, contacts);
-    simulator_.step(kDt);
-    const FrameView frame = simulator_.read();
+    const FrameView frame = support::stepOnce(simulator_, kDt);
     std::vector<double> forces(frame.ground_truth.tactile_normal_force.begin(), frame.ground_truth.tactile_normal_force.end());
     forces.push_back(frame.ground_truth.off_array_load[0]);
     return forces;

@@ -1,6 +1,6 @@
 // Invalid contact points and options are refused with an error that names them, and change nothing.
 #include "simulation/comparison.h"
-#include "simulation/input_error.h"
+#include "support/input_error.h"
 #include "support/random_scene.h"
 #include "support/test.h"
 #include "taxelsim/error.h"
@@ -49,8 +49,7 @@ TEST_F(ContactErrors, RejectsInvalidCounts) {
 TEST_F(ContactErrors, RejectedInputChangesNothing) {
   simulator_.setContacts(0, Contacts{{{0, 0, 0}, 1}});
   inputError([&] { simulator_.setContacts(Contacts{{{0, 0, 0}, 2}, {{0, 0, 0}, -2}}, std::vector<int>{0, 1, 2}); });
-  simulator_.step(kDt);
-  EXPECT_EQ(simulator_.read().ground_truth.total_force[0], 1);
+  EXPECT_EQ(support::stepOnce(simulator_, kDt).ground_truth.total_force[0], 1);
 }
 
 TEST_F(ContactErrors, RejectsObjectsTogetherWithContacts) {

@@ -20,14 +20,12 @@ using support::Touch;
 
 TEST(ContactFeaturesOnEveryDriver, SeparatesTwoObjects) {
   const Sensor sensor = support::wts0614();
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Cylinder{4e-3, 8e-3}), Object(Sphere{6e-3})}});
-  Simulator simulator(model, {.num_slots = 2, .outputs = {.contact_features = true}, .max_regions = 3});
+  Simulator simulator = support::makeSimulator(sensor, {Object(Cylinder{4e-3, 8e-3}), Object(Sphere{6e-3})},
+                                               {.num_slots = 2, .outputs = {.contact_features = true}, .max_regions = 3});
   // An edge along x at y = -15 mm, a ball at y = 14 mm.
   const Quaternion along_x = axisAngle({0, 1, 0}, std::numbers::pi / 2);
   const Touch touch{{0, 1}, {{{2e-3, -15e-3, 4e-3 - 0.6e-3}, along_x}, {{-1e-3, 14e-3, 6e-3 - 0.5e-3}}}};
-  support::setTouches(simulator, {touch});
-  simulator.step(kImageStep);
-  const FrameView frame = simulator.read();
+  const FrameView frame = support::stepOnce(simulator, {touch}, kImageStep);
   ASSERT_EQ(frame.contact.num_regions[0], 2);
   const Row edge(frame.contact, 0, 2), ball(frame.contact, 0, 3);
   // Taxels reach 1.7 mm beyond the contact; the trigger reduces this a little.
@@ -46,8 +44,7 @@ FrameView runCases(Simulator& simulator, const std::vector<ContactCase>& cases) 
   for (std::size_t i = 0; i < cases.size(); ++i) touches.push_back({{static_cast<int>(i)}, {cases[i].X_SO}});
   support::setTouches(simulator, touches);
   for (std::size_t i = 0; i < cases.size(); ++i) simulator.reset(static_cast<int>(i), i, {.noise = support::kWtsNoise});
-  simulator.step(kImageStep);
-  return simulator.read();
+  return support::stepOnce(simulator, kImageStep);
 }
 
 Model modelOf(const Sensor& sensor, const std::vector<ContactCase>& cases) {
@@ -102,13 +99,12 @@ TEST(ContactFeaturesOnEveryDriver, FaceOverTheWholeArrayIsAnArea) {
   list.patches.clear();
   for (const Vector3& p : positions) list.patches.push_back(taxelPatch("", rotate(turned, p), {0, 0, 1}, {3.4e-3, 3.4e-3}));
   for (const Sensor& sensor : {grid, patches, list}) {
-    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(HalfSpace{}), Object(Cylinder{2e-3, 0.1})}});
-    Simulator simulator(model, {.num_instances = 2, .outputs = kContactFeatures, .max_regions = 1});
+    Simulator simulator = support::makeSimulator(sensor, {Object(HalfSpace{}), Object(Cylinder{2e-3, 0.1})},
+                                                 {.num_instances = 2, .outputs = kContactFeatures, .max_regions = 1});
     const Quaternion along_y = axisAngle({1, 0, 0}, std::numbers::pi / 2);
     const Quaternion& yaw = &sensor == &grid ? Quaternion{} : turned;
-    support::setTouches(simulator, {{{0}, {{{0, 0, -0.4e-3}}}}, {{1}, {{{0, 0, 2e-3 - 0.4e-3}, yaw * along_y}}}});
-    simulator.step(kImageStep);
-    const FrameView frame = simulator.read();
+    const FrameView frame =
+        support::stepOnce(simulator, {{{0}, {{{0, 0, -0.4e-3}}}}, {{1}, {{{0, 0, 2e-3 - 0.4e-3}, yaw * along_y}}}}, kImageStep);
     for (const ContactFeatureView* view : {&frame.contact, &frame.ground_truth.contact}) {
       for (int row = 0; row < view->num_rows; ++row) {
         EXPECT_EQ(Row(*view, 0, row)(view->contact_type), ContactType::kArea) << row;
@@ -133,9 +129,7 @@ TEST(ContactFeaturesOnEveryDriver, FindsTheTiltOfAPunch) {
   }
   Simulator simulator(Model(support::sharedDevice(), options),
                       {.num_instances = kNumInstances, .outputs = kContactFeatures, .max_regions = 1});
-  support::setTouches(simulator, touches);
-  simulator.step(kImageStep);
-  const ContactFeatureView& contact = simulator.read().ground_truth.contact;
+  const ContactFeatureView& contact = support::stepOnce(simulator, touches, kImageStep).ground_truth.contact;
   // Depths have the error of float32 transforms, over a core of at least three taxels of 1.5 mm.
   constexpr double kSlack = support::kMarginZ / 1.5e-3;
   for (int i = 0; i < kNumInstances; ++i) {

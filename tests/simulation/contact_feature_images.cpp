@@ -15,8 +15,7 @@ FrameView press(Simulator& simulator, const std::vector<std::vector<double>>& fo
     }
     simulator.setContacts(static_cast<int>(i), contacts);
   }
-  simulator.step(kImageStep);
-  return simulator.read();
+  return stepOnce(simulator, kImageStep);
 }
 
 int maxContacts(const std::vector<std::vector<double>>& forces) {

@@ -83,8 +83,7 @@ TEST(ContactFeaturesOnEveryDriver, LargestGridsMatchTheTwin) {
   Sensor sensor = support::gridSensor({.num_rows = 128, .num_cols = 128, .pitch_x = 0.5e-3, .pitch_y = 0.5e-3, .samples_per_taxel = 1});
   constexpr int kSmallest = 64;  // fewer invocations would take too many turns each
   compareImages(random, sensor, 2, kSmallest);
-  sensor.patches.push_back(sensor.patches[0]);
-  sensor.patches[1].X_SP.position = {0.1, 0, 0};
+  support::addPatch(sensor, {.position = {0.1, 0, 0}});
   sensor.psf = gaussianPsf(1, 3);
   compareImages(random, sensor, 2, kSmallest);
 }
@@ -99,9 +98,8 @@ TEST(ContactFeaturesOnEveryDriver, FaceOverTheLargestGrid) {
   for (const int workgroup : {0, 256}) {
     const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(HalfSpace{})}, .image_workgroup = workgroup});
     Simulator simulator(model, {.outputs = kContactFeatures, .max_regions = 8});
-    support::setTouches(simulator, {{{0}, {{.position = {0, 0, -0.7e-3}, .rotation = axisAngle({1, 0, 0}, 0.01)}}}});
-    simulator.step(kImageStep);
-    const FrameView frame = simulator.read();
+    const FrameView frame =
+        support::stepOnce(simulator, {{{0}, {{.position = {0, 0, -0.7e-3}, .rotation = axisAngle({1, 0, 0}, 0.01)}}}}, kImageStep);
     expectFrame(frame, sensor, 1);
     EXPECT_NEAR(Row(frame.contact, 0, 2)(frame.contact.tilt, 2, 0), 0.01, 1e-4);
   }

@@ -95,8 +95,7 @@ void expectRandomContactsMatchTheTwin(Random& random, const Sensor& sensor) {
     std::vector<Contacts> batch;
     for (int i = 0; i < num_instances; ++i) batch.push_back(randomContacts(random, sensor, random.integer(0, max_contacts), band));
     setAll(simulator, batch);
-    simulator.step(kDt);
-    const FrameView frame = simulator.read();
+    const FrameView frame = support::stepOnce(simulator, kDt);
     for (int i = 0; i < num_instances; ++i) expectSameAsTwin(frame, i, sensor, batch[i], band);
   }
 }
@@ -158,8 +157,7 @@ TEST(ContactsOnEveryDriver, LargestSensorMatchesTheTwin) {
   std::vector<Contacts> batch;
   for (const int count : {kMaxContacts, 0, 10}) batch.push_back(randomContacts(random, sensor, count, 1e-4));
   setAll(simulator, batch);
-  simulator.step(kDt);
-  const FrameView frame = simulator.read();
+  const FrameView frame = support::stepOnce(simulator, kDt);
   for (int i = 0; i < 3; ++i) expectSameAsTwin(frame, i, sensor, batch[i], 1e-4);
 }
 
@@ -191,8 +189,7 @@ TEST(ContactsOnDevice, LaterStagesEqualThoseOfObjects) {
     const FrameView expected = pressed->read();
     Simulator simulator(Model(support::sharedDevice(), {.sensor = sensor}), {.seed = 4, .outputs = kNoDepth, .max_contacts = 84});
     simulator.setContacts(0, contacts);
-    simulator.step(kDt);
-    const FrameView found = simulator.read();
+    const FrameView found = support::stepOnce(simulator, kDt);
     EXPECT_TRUE(std::ranges::equal(found.tactile_image, expected.tactile_image));
     EXPECT_TRUE(std::ranges::equal(found.ground_truth.tactile_normal_force, expected.ground_truth.tactile_normal_force));
     ASSERT_GT(expected.ground_truth.total_force[0], 0);
@@ -206,19 +203,14 @@ std::vector<std::vector<std::uint32_t>> bitsOfBatch(const Model& model, const st
   const int n = static_cast<int>(batch.size());
   Simulator simulator(model, {.num_instances = n, .seed = 7, .outputs = kNoDepth, .max_contacts = max_contacts});
   for (int i = 0; i < n; ++i) simulator.setContacts(i, batch[i]);
-  simulator.step(kDt);
-  const FrameView frame = simulator.read();
-  std::vector<std::vector<std::uint32_t>> bits;
-  for (int i = 0; i < n; ++i) bits.push_back(support::bitsOf(frame, i, n));
-  return bits;
+  return support::bitsOfAll(support::stepOnce(simulator, kDt), n);
 }
 
 TEST(ContactsOnEveryDriver, IndependentOfBatchAndWorkgroup) {
   Random random(31);
   // Enough taxels for several subgroups per instance.
   Sensor sensor = support::gridSensor({.num_rows = 40, .num_cols = 12, .pitch_x = 1e-3, .pitch_y = 2e-3});
-  sensor.patches.push_back(sensor.patches[0]);
-  sensor.patches[1].X_SP = {{0.045, 0, 0}, axisAngle({0, 1, 0}, 0.2)};
+  support::addPatch(sensor, {{0.045, 0, 0}, axisAngle({0, 1, 0}, 0.2)});
   sensor.psf = gaussianPsf(0.8, 5);
   sensor.readout = support::paperReadout();
   sensor.readout.noise = 2;
@@ -238,19 +230,16 @@ TEST(ContactsOnEveryDriver, IndependentOfBatchAndWorkgroup) {
 TEST(ContactsOnDevice, StayUntilTheyAreSetAgain) {
   const Sensor sensor = support::gridSensor();
   Simulator simulator(Model(support::sharedDevice(), {.sensor = sensor}), {.num_instances = 2, .outputs = kNoDepth, .max_contacts = 2});
-  simulator.step(kDt);
-  EXPECT_EQ(simulator.read().ground_truth.total_force[1], 0);  // none set: no contact
+  EXPECT_EQ(support::stepOnce(simulator, kDt).ground_truth.total_force[1], 0);  // none set: no contact
   simulator.setContacts(1, Contacts{{{0.001, 0.001, 0}, 1}, {{0.001, 0.001, 0}, 0.5}});
   for (int step = 0; step < 2; ++step) {
-    simulator.step(kDt);
-    const FrameView frame = simulator.read();
+    const FrameView frame = support::stepOnce(simulator, kDt);
     EXPECT_EQ(frame.ground_truth.total_force[0], 0);
     EXPECT_EQ(frame.ground_truth.total_force[1], 1.5f);
     EXPECT_EQ(frame.ground_truth.contact_wrench[6 + 2], -1.5f);
   }
   simulator.setContacts(1, {});
-  simulator.step(kDt);
-  EXPECT_EQ(simulator.read().ground_truth.total_force[1], 0);
+  EXPECT_EQ(support::stepOnce(simulator, kDt).ground_truth.total_force[1], 0);
 }
 
 }  // namespace

@@ -84,11 +84,9 @@ std::vector<float> depthsOf(const Sensor& sensor, const std::vector<std::vector<
     ids.push_back(static_cast<int>(objects.size()));
     objects.emplace_back("triangles " + std::to_string(ids.back()), meshOf(triangles));
   }
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
-  Simulator simulator(model, {.num_instances = static_cast<int>(ids.size())});
+  Simulator simulator = support::makeSimulator(sensor, objects, {.num_instances = static_cast<int>(ids.size())});
   simulator.setObjects(ids, std::vector<Pose>(ids.size()));
-  simulator.step(1e-3);
-  const auto depths = simulator.read().ground_truth.penetration_depth;
+  const auto depths = support::stepOnce(simulator, 1e-3).ground_truth.penetration_depth;
   return {depths.begin(), depths.end()};
 }
 

@@ -37,11 +37,8 @@ class CurvedSeeds : public ::testing::TestWithParam<int> {};
 void comparePoses(Random& random, const Sensor& sensor, const std::vector<Object>& objects, int num_slots) {
   constexpr int kNumInstances = 4;
   const std::vector<Touch> touches = randomTouches(random, sensor, objects, kNumInstances, num_slots);
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
-  Simulator simulator(model, {.num_instances = kNumInstances, .num_slots = num_slots});
-  support::setTouches(simulator, touches);
-  simulator.step(kDt);
-  const FrameView frame = simulator.read();
+  Simulator simulator = support::makeSimulator(sensor, objects, {.num_instances = kNumInstances, .num_slots = num_slots});
+  const FrameView frame = support::stepOnce(simulator, touches, kDt);
   support::expectWellFormed(frame, sensor, kNumInstances);
   for (int i = 0; i < kNumInstances; ++i) {
     SCOPED_TRACE(objects[touches[i].ids[0]].name);
@@ -76,20 +73,12 @@ TEST_P(CurvedSeeds, SeveralObjectsMatchTheTwin) {
 
 INSTANTIATE_TEST_SUITE_P(OnEveryDriver, CurvedSeeds, support::seeds(3, 9));
 
-// One frame of objects at rest.
-FrameView step(Simulator& simulator, const std::vector<Touch>& touches) {
-  support::setTouches(simulator, touches);
-  simulator.step(kDt);
-  return simulator.read();
-}
-
 TEST(CurvedOnEveryDriver, HalfSpaceOnASphereInClosedForm) {
   constexpr double kRadius = 8e-3, kDepth = 1e-3;
   Sensor sensor = support::sphereFingertip(kRadius, 3, 1.2);
   sensor.samples_per_taxel = 1;
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(HalfSpace{})}});
-  Simulator simulator(model, {});
-  const FrameView frame = step(simulator, {{{0}, {{.position = {0, 0, -kDepth}}}}});
+  Simulator simulator = support::makeSimulator(sensor, {Object(HalfSpace{})});
+  const FrameView frame = support::stepOnce(simulator, {{{0}, {{.position = {0, 0, -kDepth}}}}}, kDt);
   const std::vector<Vector3> normals = taxelNormals(sensor);
   double upward = 0;
   for (std::size_t t = 0; t < normals.size(); ++t) {
@@ -112,13 +101,12 @@ TEST(CurvedOnEveryDriver, FarSideOfAFingerHasNoForce) {
   const Quaternion towards_x = axisAngle({0, 1, 0}, -std::numbers::pi / 2);
   for (std::size_t o = 0; o < objects.size(); ++o) {
     SCOPED_TRACE(objects[o].name);
-    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {objects[o]}});
-    Simulator simulator(model, {.num_instances = 2, .num_slots = 2});
+    Simulator simulator = support::makeSimulator(sensor, {objects[o]}, {.num_instances = 2, .num_slots = 2});
     // 1 mm deep in the flank at -x, then in both flanks.
     const double half = o < 2 ? 2e-3 : o == 2 ? 5e-3 : o == 3 ? 3e-3 : 0;
     const Pose left{{-8e-3 - half + 1e-3, 0, -8e-3}, o == 4 ? towards_x : Quaternion{1, 0, 0, 0}};
     const Pose right{{8e-3 + half - 1e-3, 0, -8e-3}, o == 4 ? axisAngle({0, 1, 0}, std::numbers::pi / 2) : Quaternion{1, 0, 0, 0}};
-    const FrameView frame = step(simulator, {{{0, kNoObject}, {left, {}}}, {{0, 0}, {left, right}}});
+    const FrameView frame = support::stepOnce(simulator, {{{0, kNoObject}, {left, {}}}, {{0, 0}, {left, right}}}, kDt);
     const std::size_t n = sensor.patches.size();
     for (std::size_t t = 0; t < n; ++t) {
       const float near = frame.ground_truth.tactile_normal_force[t], both = frame.ground_truth.tactile_normal_force[n + t];
@@ -145,7 +133,7 @@ TEST(CurvedOnEveryDriver, FlatListEqualsItsGrid) {
   const Model grid_model(support::sharedDevice(), {.sensor = grid, .objects = objects});
   const Model list_model(support::sharedDevice(), {.sensor = list, .objects = objects});
   Simulator on_grid(grid_model, {.num_instances = 12}), on_list(list_model, {.num_instances = 12});
-  const FrameView one = step(on_grid, touches), other = step(on_list, touches);
+  const FrameView one = support::stepOnce(on_grid, touches, kDt), other = support::stepOnce(on_list, touches, kDt);
   for (int i = 0; i < 12; ++i) {
     SCOPED_TRACE(i);
     const auto placed = touches[i].placed(objects);
@@ -177,8 +165,7 @@ TEST(Curved, TheSkinCarriesTheLoad) {
       sensor.skin = skins[s];
       sensor.skin.thickness = 2e-3;
       const std::size_t n = sensor.patches.size();
-      const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
-      Simulator simulator(model, {.num_instances = 8});
+      Simulator simulator = support::makeSimulator(sensor, objects, {.num_instances = 8});
       std::vector<Touch> touches;
       std::vector<float> loads;
       for (int i = 0; i < 8; ++i) {
@@ -188,7 +175,7 @@ TEST(Curved, TheSkinCarriesTheLoad) {
       simulator.setLoads(loads);
       const std::vector<Vector3> normals = taxelNormals(sensor);
       for (int step_number = 0; step_number < 3; ++step_number) {
-        const FrameView frame = step(simulator, touches);
+        const FrameView frame = support::stepOnce(simulator, touches, kDt);
         for (int i = 0; i < 8; ++i) {
           SCOPED_TRACE(::testing::Message() << sensor.name << ", skin " << s << ", " << objects[i % 4].name << ", step " << step_number);
           if (frame.ground_truth.load_reached[i] ==
@@ -225,10 +212,9 @@ TEST(Curved, TheSkinCarriesTheLoad) {
 TEST(CurvedOnEveryDriver, LiftingClearsTheState) {
   Sensor sensor = support::cylinderFingertip(8e-3, 1.4, 9, 5, 2.4e-3);
   sensor.skin.friction = {3e8, 0.7};
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{6e-3})}});
-  Simulator simulator(model, {});
+  Simulator simulator = support::makeSimulator(sensor, {Object(Sphere{6e-3})});
   const auto shearAt = [&](double y, double z) {
-    const FrameView frame = step(simulator, {{{0}, {{.position = {0, y, z}}}}});
+    const FrameView frame = support::stepOnce(simulator, {{{0}, {{.position = {0, y, z}}}}}, kDt);
     double sum = 0;
     for (const float part : frame.ground_truth.tactile_shear_force) sum += std::abs(part);
     return sum;
@@ -251,7 +237,7 @@ std::vector<std::uint32_t> bitsWith(const Sensor& sensor, const std::vector<Obje
   Simulator simulator(model, {.num_instances = n, .num_slots = 2});
   std::vector<Touch> chosen;
   for (const int i : instances) chosen.push_back(touches[i]);
-  return support::bitsOf(step(simulator, chosen), wanted, n);
+  return support::bitsOf(support::stepOnce(simulator, chosen, kDt), wanted, n);
 }
 
 TEST(CurvedOnEveryDriver, IndependentOfBatchAndWorkgroup) {
@@ -274,9 +260,8 @@ TEST(Curved, OneTo4096TaxelsMatchTheTwin) {
     sensor.samples_per_taxel = 2;
     sensor.psf.sigma = count > 300 ? 0.2e-3 : 0.5e-3;
     const std::vector<Touch> touches = randomTouches(random, sensor, objects, 2, 1);
-    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
-    Simulator simulator(model, {.num_instances = 2});
-    const FrameView frame = step(simulator, touches);
+    Simulator simulator = support::makeSimulator(sensor, objects, {.num_instances = 2});
+    const FrameView frame = support::stepOnce(simulator, touches, kDt);
     support::expectWellFormed(frame, sensor, 2);
     for (int i = 0; i < 2; ++i) {
       const auto placed = touches[i].placed(objects);

@@ -1,7 +1,7 @@
 // What is said of depth sampling: objects that points may miss, and laws without area sampling.
 #include "simulation/comparison.h"
-#include "simulation/input_error.h"
 #include "simulation/small_objects.h"
+#include "support/input_error.h"
 #include "support/random_scene.h"
 #include "support/test.h"
 #include "taxelsim/log.h"

@@ -45,9 +45,7 @@ void runScene(const SceneKind& kind, int seed) {
                                               .contact_workgroup = support::randomWorkgroup(random),
                                               .image_workgroup = support::randomWorkgroup(random)});
   Simulator simulator(model, {.num_instances = num_instances, .num_slots = kind.num_slots});
-  support::setTouches(simulator, touches);
-  simulator.step(kDt);
-  const FrameView frame = simulator.read();
+  const FrameView frame = support::stepOnce(simulator, touches, kDt);
   support::expectWellFormed(frame, sensor, num_instances);
   for (int i = 0; i < num_instances; ++i) {
     const auto placed = touches[i].placed(objects);
@@ -102,11 +100,8 @@ void runSensor(const Sensor& sensor, double radius, int num_subdivisions = 3, in
   const std::vector<Object> objects{Object("bumpy sphere", support::icosphere(radius, num_subdivisions, 0.02, random))};
   std::vector<Touch> touches;
   for (int i = 0; i < num_instances; ++i) touches.push_back({{0}, {support::randomContact(random, sensor, objects[0])}});
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
-  Simulator simulator(model, {.num_instances = num_instances});
-  support::setTouches(simulator, touches);
-  simulator.step(kDt);
-  const FrameView frame = simulator.read();
+  Simulator simulator = support::makeSimulator(sensor, objects, {.num_instances = num_instances});
+  const FrameView frame = support::stepOnce(simulator, touches, kDt);
   support::expectWellFormed(frame, sensor, num_instances);
   for (int i = 0; i < num_instances; ++i) {
     support::expectMatches(

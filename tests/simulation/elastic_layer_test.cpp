@@ -19,14 +19,6 @@ using support::Touch;
 
 constexpr double kDt = 1e-2;  // s
 
-// Simulates a frame of a batch. Load NaN: pose-driven.
-FrameView stepOnce(Simulator& simulator, const std::vector<Touch>& touches, const std::vector<float>& loads = {}) {
-  support::setTouches(simulator, touches);
-  if (!loads.empty()) simulator.setLoads(loads);
-  simulator.step(kDt);
-  return simulator.read();
-}
-
 double deepestOf(const Sensor& sensor, const std::vector<reference::PlacedObject>& placed) {
   const std::vector<double> heights = reference::layerHeights(sensor, layerNodes(sensor), placed);
   return std::min(sensor.skin.thickness, -*std::min_element(heights.begin(), heights.end()));
@@ -69,9 +61,8 @@ TEST_P(ElasticLayerTwin, RandomContacts) {
   const std::vector<Object> objects = support::roundObjects(random);
   std::vector<Touch> touches;
   for (int i = 0; i < kInstances; ++i) touches.push_back(support::randomTouch(random, sensor, objects));
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
-  Simulator simulator(model, {.num_instances = kInstances});
-  const FrameView frame = stepOnce(simulator, touches);
+  Simulator simulator = support::makeSimulator(sensor, objects, {.num_instances = kInstances});
+  const FrameView frame = support::stepOnce(simulator, touches, kDt);
   support::expectWellFormed(frame, sensor, kInstances);
   for (std::size_t i = 0; i < kInstances; ++i) {
     SCOPED_TRACE("instance " + std::to_string(i) + ": object " + std::to_string(touches[i].ids[0]));
@@ -101,9 +92,8 @@ TEST(ElasticLayerOnDevice, MostSamplesMatchTheTwin) {
                                     {.num_rows = 2, .num_cols = 3, .samples_per_taxel = kMaxSamplesPerTaxel});
   const Touch touch{{0}, {{{1e-3, -0.7e-3, 4.6e-3}, {1, 0, 0, 0}}}};
   const std::vector<Object> objects{Sphere{5e-3}};
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
-  Simulator simulator(model, {});
-  const FrameView frame = stepOnce(simulator, {touch});
+  Simulator simulator = support::makeSimulator(sensor, objects);
+  const FrameView frame = support::stepOnce(simulator, {touch}, kDt);
   const auto placed = touch.placed(objects);
   const reference::LayerContact twin = reference::layerContact(sensor, placed);
   ASSERT_GT(twin.total_force, 0);
@@ -123,7 +113,7 @@ TEST(ElasticLayerOnDevice, GridsOfManyStripsMatchTheTwin) {
     touches.push_back({{0}, {{{1e-3 + strips * spacing, 12e-3 + strips * 4 * spacing, 4.6e-3}, {1, 0, 0, 0}}}});
   }
   Simulator simulator(model, {.num_instances = 3});
-  const FrameView frame = stepOnce(simulator, touches);
+  const FrameView frame = support::stepOnce(simulator, touches, kDt);
   for (std::size_t i = 0; i < touches.size(); ++i) {
     const auto placed = touches[i].placed(objects);
     const reference::LayerContact twin = reference::layerContact(sensor, placed);
@@ -151,9 +141,8 @@ TEST(ElasticLayerOnDevice, SphereCarriesSneddonsForce) {
     touches.push_back(
         {{0}, {{{random.uniform(-1, 1) * kContact / 8, random.uniform(-1, 1) * kContact / 8, kRadius - depth}, {1, 0, 0, 0}}}});
   }
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Sphere{kRadius}}});
-  Simulator simulator(model, {.num_instances = kInstances});
-  const FrameView frame = stepOnce(simulator, touches);
+  Simulator simulator = support::makeSimulator(sensor, {Sphere{kRadius}}, {.num_instances = kInstances});
+  const FrameView frame = support::stepOnce(simulator, touches, kDt);
   for (std::size_t i = 0; i < kInstances; ++i) {
     EXPECT_NEAR(frame.ground_truth.total_force[i] / force, 1, kForceError);
     const double peak = frame.ground_truth.peak_force[i] / (kContact * kContact / 16);
@@ -168,9 +157,8 @@ TEST(ElasticLayerOnDevice, SphereOnABondedLayerCarriesTheTabulatedForce) {
   const double depth = kChi * kChi * kThickness * kThickness / kRadius;
   const Sensor sensor = layerSensor({.thickness = kThickness, .poisson_ratio = 0.5},
                                     {.num_rows = 30, .num_cols = 30, .pitch_x = 4e-4, .pitch_y = 4e-4, .samples_per_taxel = 1});
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Sphere{kRadius}}});
-  Simulator simulator(model, {.num_instances = 1});
-  const FrameView frame = stepOnce(simulator, {{{0}, {{{1e-4, -5e-5, kRadius - depth}, {1, 0, 0, 0}}}}});
+  Simulator simulator = support::makeSimulator(sensor, {Sphere{kRadius}});
+  const FrameView frame = support::stepOnce(simulator, {{{0}, {{{1e-4, -5e-5, kRadius - depth}, {1, 0, 0, 0}}}}}, kDt);
   const double hertz = 4.0 / 3 * kModulus / 0.75 * std::sqrt(kRadius) * std::pow(depth, 1.5);
   EXPECT_NEAR(frame.ground_truth.total_force[0] / hertz / kOverHertz, 1, kForceError);
 }
@@ -201,9 +189,8 @@ TEST(ElasticLayerOnDevice, TaxelsAndMarginCarryTheLoad) {
     touch.X_SO[0].position[2] += random.uniform(-0.01, 0.03);
     add(touch, random.uniform(0.1, 3));
   }
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
-  Simulator simulator(model, {.num_instances = static_cast<int>(loads.size())});
-  const FrameView frame = stepOnce(simulator, touches, loads);
+  Simulator simulator = support::makeSimulator(sensor, objects, {.num_instances = static_cast<int>(loads.size())});
+  const FrameView frame = support::stepOnce(simulator, touches, kDt, loads);
   support::expectWellFormed(frame, sensor, static_cast<int>(loads.size()));
   const GroundTruthView& truth = frame.ground_truth;
   for (std::size_t i = 0; i < loads.size(); ++i) {
@@ -233,58 +220,12 @@ TEST(ElasticLayerOnDevice, TaxelsAndMarginCarryTheLoad) {
 TEST(ElasticLayerOnDevice, RejectsALoadOnATiltedPatch) {
   Sensor sensor = layerSensor({});
   sensor.patches[0].X_SP.rotation = {std::cos(0.1), std::sin(0.1), 0, 0};
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Sphere{0.01}}});
-  Simulator simulator(model, {.num_instances = 1});
+  Simulator simulator = support::makeSimulator(sensor, {Sphere{0.01}});
   EXPECT_THROW(simulator.setLoad(0, 1), Error);
   simulator.setLoad(0, kPoseDriven);
 }
 
-// ---- over several frames, in batches ----
-
-// Bits of an instance, including the outputs of this law only.
-std::vector<std::uint32_t> bitsWithLayer(const FrameView& frame, int i, int num_instances) {
-  std::vector<std::uint32_t> bits = support::bitsOf(frame, i, num_instances);
-  for (const auto& values : {frame.ground_truth.off_array_load, frame.ground_truth.contact_residual}) {
-    bits.push_back(std::bit_cast<std::uint32_t>(values[static_cast<std::size_t>(i)]));
-  }
-  bits.push_back(static_cast<std::uint32_t>(frame.ground_truth.contact_iterations[static_cast<std::size_t>(i)]));
-  return bits;
-}
-
-// The same bits over three frames in a batch with loads, alone, and with other workgroups.
-TEST(ElasticLayerOnDevice, IndependentOfBatchAndWorkgroup) {
-  constexpr int kInstances = 5, kFrames = 3;
-  Random random(6);
-  const Sensor sensor = layerSensor({.margin = 2e-3, .iterations = 6, .tolerance = 1e-3}, {.samples_per_taxel = 2});
-  const std::vector<Object> objects = support::roundObjects(random);
-  std::vector<std::vector<Touch>> frames;
-  for (int f = 0; f < kFrames; ++f) {
-    std::vector<Touch> touches;
-    for (int i = 0; i < kInstances; ++i) touches.push_back(support::randomTouch(random, sensor, objects));
-    frames.push_back(touches);
-  }
-  const std::vector<float> loads{kPoseDriven, 2, kPoseDriven, 0.5f, kPoseDriven};
-  std::vector<std::vector<std::uint32_t>> expected;
-  for (const int workgroup : {8, 4, 32}) {
-    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects, .contact_workgroup = workgroup});
-    Simulator together(model, {.num_instances = kInstances});
-    Simulator alone(model, {.num_instances = 1});
-    for (int f = 0; f < kFrames; ++f) {
-      const FrameView frame = stepOnce(together, frames[static_cast<std::size_t>(f)], loads);
-      for (int i = 0; i < kInstances; ++i) {
-        const auto bits = bitsWithLayer(frame, i, kInstances);
-        const auto at = static_cast<std::size_t>(f * kInstances + i);
-        if (workgroup == 8) expected.push_back(bits);
-        EXPECT_EQ(bits, expected[at]) << "workgroup " << workgroup << " frame " << f << " instance " << i;
-      }
-      for (const int i : {0, 3}) {
-        if (workgroup != 8 || i == 3) continue;
-        const FrameView frame_alone = stepOnce(alone, {frames[static_cast<std::size_t>(f)][static_cast<std::size_t>(i)]});
-        EXPECT_EQ(bitsWithLayer(frame_alone, 0, 1), expected[static_cast<std::size_t>(f * kInstances + i)]) << "alone, frame " << f;
-      }
-    }
-  }
-}
+// ---- over several frames ----
 
 // A warm start converges to the cold solution in fewer iterations; after reset() the bits are equal.
 TEST(ElasticLayerOnDevice, WarmStartConvergesToTheColdSolution) {
@@ -295,36 +236,34 @@ TEST(ElasticLayerOnDevice, WarmStartConvergesToTheColdSolution) {
     const double c = std::sqrt(0.5);
     return std::vector<Touch>{{{0}, {{{x, 0.002, 0.006 - 0.0005}, {c, c, 0, 0}}}}};
   };
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
-  Simulator simulator(model, {.num_instances = 1});
+  Simulator simulator = support::makeSimulator(sensor, objects);
   const auto forces = [](const FrameView& frame) {
     return std::vector<float>(frame.ground_truth.tactile_normal_force.begin(), frame.ground_truth.tactile_normal_force.end());
   };
-  const std::vector<std::uint32_t> first = bitsWithLayer(stepOnce(simulator, touchAt(0)), 0, 1);
-  for (int k = 1; k <= 20; ++k) stepOnce(simulator, touchAt(k * 1e-4));
+  const std::vector<std::uint32_t> first = support::bitsOf(support::stepOnce(simulator, touchAt(0), kDt), 0, 1);
+  for (int k = 1; k <= 20; ++k) support::stepOnce(simulator, touchAt(k * 1e-4), kDt);
   // A jump to the other side and back.
-  stepOnce(simulator, touchAt(-0.008));
-  stepOnce(simulator, touchAt(0.0019));
-  const FrameView warm_frame = stepOnce(simulator, touchAt(0.002));
+  support::stepOnce(simulator, touchAt(-0.008), kDt);
+  support::stepOnce(simulator, touchAt(0.0019), kDt);
+  const FrameView warm_frame = support::stepOnce(simulator, touchAt(0.002), kDt);
   const std::vector<float> warm = forces(warm_frame);
   const std::int32_t warm_iterations = warm_frame.ground_truth.contact_iterations[0];
   EXPECT_LE(warm_frame.ground_truth.contact_residual[0], kTolerance);
   simulator.reset(0, 0);
-  const FrameView cold_frame = stepOnce(simulator, touchAt(0.002));
+  const FrameView cold_frame = support::stepOnce(simulator, touchAt(0.002), kDt);
   EXPECT_LE(cold_frame.ground_truth.contact_residual[0], kTolerance);
   EXPECT_LT(warm_iterations, cold_frame.ground_truth.contact_iterations[0]);
   const double slack = 20 * kTolerance * *std::max_element(warm.begin(), warm.end());
   for (std::size_t t = 0; t < warm.size(); ++t) EXPECT_NEAR(warm[t], cold_frame.ground_truth.tactile_normal_force[t], slack);
   simulator.reset(0, 0);
-  EXPECT_EQ(bitsWithLayer(stepOnce(simulator, touchAt(0)), 0, 1), first);
+  EXPECT_EQ(support::bitsOf(support::stepOnce(simulator, touchAt(0), kDt), 0, 1), first);
 }
 
 // ---- extreme parameters ----
 
 double forceOfSphere(const Sensor& sensor, double load = kPoseDriven) {
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Sphere{0.01}}});
-  Simulator simulator(model, {.num_instances = 1});
-  const FrameView frame = stepOnce(simulator, {{{0}, {{{0.0005, 0, 0.0097}, {1, 0, 0, 0}}}}}, {static_cast<float>(load)});
+  Simulator simulator = support::makeSimulator(sensor, {Sphere{0.01}});
+  const FrameView frame = support::stepOnce(simulator, {{{0}, {{{0.0005, 0, 0.0097}, {1, 0, 0, 0}}}}}, kDt, {static_cast<float>(load)});
   support::expectWellFormed(frame, sensor, 1);
   EXPECT_LE(frame.ground_truth.contact_residual[0], kTightTolerance);
   return frame.ground_truth.total_force[0];

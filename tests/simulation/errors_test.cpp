@@ -1,8 +1,8 @@
 // Invalid input to a model or a simulator is rejected with a one-line message.
 #include "simulation/comparison.h"
-#include "simulation/input_error.h"
 #include "simulation/model_access.h"
 #include "simulation/passes/layer_memory.h"
+#include "support/input_error.h"
 #include "support/random_scene.h"
 #include "support/test.h"
 #include "taxelsim/error.h"
@@ -70,13 +70,11 @@ TEST_F(Errors, RejectedInputChangesNothing) {
   X_SO_[0].position = {0, 0, 0.0045};
   ids_ = {0, kNoObject, 0, kNoObject};
   simulator_.setObjects(ids_, X_SO_);
-  simulator_.step(1e-3);
-  const auto before = support::bitsOf(simulator_.read(), 0, 2);
+  const auto before = support::bitsOf(support::stepOnce(simulator_, 1e-3), 0, 2);
   X_SO_[0].position = {0, 0, 0.004};
   X_SO_[2].position = {0, kNan, 0};
   inputError([&] { simulator_.setObjects(ids_, X_SO_); });
-  simulator_.step(1e-3);
-  EXPECT_EQ(support::bitsOf(simulator_.read(), 0, 2), before);
+  EXPECT_EQ(support::bitsOf(support::stepOnce(simulator_, 1e-3), 0, 2), before);
 }
 
 TEST_F(Errors, RejectsInvalidLoads) {

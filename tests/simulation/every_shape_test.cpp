@@ -162,11 +162,8 @@ TEST_P(EveryShape, PressesAsTheReferenceAndTheClosedForm) {
     return;
   }
   const std::vector<Touch> touches = touchesOf(shapes);
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
-  Simulator simulator(model, {.num_instances = static_cast<int>(touches.size())});
-  support::setTouches(simulator, touches);
-  simulator.step(kDt);
-  const FrameView posed = simulator.read();
+  Simulator simulator = support::makeSimulator(sensor, objects, {.num_instances = static_cast<int>(touches.size())});
+  const FrameView posed = support::stepOnce(simulator, touches, kDt);
   support::expectWellFormed(posed, sensor, static_cast<int>(touches.size()));
   const auto& all = posed.ground_truth.tactile_normal_force;
   const std::vector<float> forces(all.begin(), all.end());
@@ -201,10 +198,7 @@ TEST_P(EveryShape, PressesAsTheReferenceAndTheClosedForm) {
   std::vector<Touch> lifted = touches;
   for (Touch& touch : lifted) touch.X_SO[0].position[2] += kLift;
   for (int i = 0; i < static_cast<int>(touches.size()); ++i) simulator.reset(i, 1);
-  support::setTouches(simulator, lifted);
-  simulator.setLoads(loads);
-  simulator.step(kDt);
-  const FrameView found = simulator.read();
+  const FrameView found = support::stepOnce(simulator, lifted, kDt, loads);
   support::expectWellFormed(found, sensor, static_cast<int>(touches.size()));
   for (std::size_t i = 0; i < touches.size(); ++i) {
     SCOPED_TRACE(objects[i / kNumPoses].name + ", pose " + std::to_string(i % kNumPoses) + " under " + std::to_string(loads[i]) + " N");
@@ -242,11 +236,8 @@ TEST(HalfSpace, PressesOnlyWhereItIs) {
   for (const DepthSampling sampling : {DepthSampling::kPoint, DepthSampling::kArea}) {
     for (const Surface surface : {Surface::kFlat, Surface::kCurved}) {
       const Sensor sensor = sensorOf({.law = Winkler{kStiffness, 1, 0}}, sampling, surface);
-      const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(HalfSpace{})}});
-      Simulator simulator(model, {.num_instances = static_cast<int>(touches.size())});
-      support::setTouches(simulator, touches);
-      simulator.step(kDt);
-      const FrameView frame = simulator.read();
+      Simulator simulator = support::makeSimulator(sensor, {Object(HalfSpace{})}, {.num_instances = static_cast<int>(touches.size())});
+      const FrameView frame = support::stepOnce(simulator, touches, kDt);
       const double full = kStiffness * kThickness * numTaxels(sensor) * sensor.patches[0].pitch[0] * sensor.patches[0].pitch[1];
       const double half = surface == Surface::kFlat ? full / 2 : -frame.ground_truth.contact_wrench[2];
       EXPECT_GT(half, full / 10);

@@ -1,9 +1,9 @@
 // Each fast path against the plain path: the same bits, or the frame of the twin where another formula computes the same surface.
 #include "simulation/comparison.h"
+#include "support/input_error.h"
 #include "support/plain.h"
 #include "support/random_scene.h"
 #include "support/test.h"
-#include "taxelsim/error.h"
 
 namespace taxelsim {
 namespace {
@@ -12,17 +12,43 @@ using support::Plain;
 using support::Random;
 using support::Touch;
 
+using Bits = std::vector<std::uint32_t>;
+
 struct Scene {
   Sensor sensor;
-  std::vector<Object> objects;
-  std::vector<Touch> touches;
+  std::vector<Object> objects{};
+  std::vector<std::vector<Touch>> steps{};  // (steps x instances)
+  std::vector<float> loads{};
+  int contact_workgroup = 0;
+  OutputOptions outputs{};
 };
+
+// The bits of all instances in all steps, without the fast paths `plain`.
+std::vector<Bits> bitsOf(const Scene& scene, const std::string& plain) {
+  const Plain without(plain);
+  const Model model(support::sharedDevice(),
+                    {.sensor = scene.sensor, .objects = scene.objects, .contact_workgroup = scene.contact_workgroup});
+  const int num_instances = static_cast<int>(scene.steps[0].size()), num_slots = static_cast<int>(scene.steps[0][0].ids.size());
+  Simulator simulator(model, {.num_instances = num_instances, .num_slots = num_slots, .outputs = scene.outputs});
+  std::vector<Bits> all;
+  for (const std::vector<Touch>& touches : scene.steps) {
+    const std::vector<Bits> now = support::bitsOfAll(support::stepOnce(simulator, touches, 1e-3, scene.loads), num_instances);
+    all.insert(all.end(), now.begin(), now.end());
+  }
+  return all;
+}
+
+// A sensor whose contacts can be drawn: springs instead of its law.
+Sensor withSprings(const Sensor& sensor) {
+  Sensor springs = sensor;
+  springs.skin = {.thickness = sensor.skin.thickness, .law = Winkler{1.73e8, 1, 0}};
+  return springs;
+}
 
 // Many tiles, most without contact, and a mesh of more groups than one batch culls.
 Scene wideScene(int num_patches) {
   Random random(31);
-  Scene scene;
-  scene.sensor = support::gridSensor({.num_rows = 48, .num_cols = 48, .samples_per_taxel = 4});
+  Scene scene{support::gridSensor({.num_rows = 48, .num_cols = 48, .samples_per_taxel = 4})};
   if (num_patches > 1) {
     scene.sensor = support::gridSensor({.num_rows = 8, .num_cols = 8, .samples_per_taxel = 4});
     for (int n = 1; n < num_patches; ++n) {
@@ -35,21 +61,9 @@ Scene wideScene(int num_patches) {
   constexpr int kSubdivisions = 6;  // 81,920 triangles: 320 groups
   scene.objects.emplace_back("bumpy sphere", support::icosphere(0.02, kSubdivisions, 0.01, random));
   scene.objects.push_back(support::randomMeshObject(random, 0.02));
-  for (int i = 0; i < 5; ++i) scene.touches.push_back({{i % 2}, {support::randomContact(random, scene.sensor, scene.objects[i % 2])}});
+  scene.steps.resize(1);
+  for (int i = 0; i < 5; ++i) scene.steps[0].push_back({{i % 2}, {support::randomContact(random, scene.sensor, scene.objects[i % 2])}});
   return scene;
-}
-
-std::vector<std::vector<std::uint32_t>> bitsOf(const Scene& scene, const std::string& plain) {
-  const Plain without(plain);
-  const Model model(support::sharedDevice(), {.sensor = scene.sensor, .objects = scene.objects});
-  const int n = static_cast<int>(scene.touches.size());
-  Simulator simulator(model, {.num_instances = n});
-  support::setTouches(simulator, scene.touches);
-  simulator.step(1e-3);
-  const FrameView frame = simulator.read();
-  std::vector<std::vector<std::uint32_t>> bits;
-  for (int i = 0; i < n; ++i) bits.push_back(support::bitsOf(frame, i, n));
-  return bits;
 }
 
 TEST(FasterPathsOnEveryDriver, ChangeNoBit) {
@@ -62,24 +76,11 @@ TEST(FasterPathsOnEveryDriver, ChangeNoBit) {
   }
 }
 
-// The bits of all instances in all steps.
-std::vector<std::vector<std::uint32_t>> bitsOf(Simulator& simulator, const std::vector<std::vector<Touch>>& steps) {
-  std::vector<std::vector<std::uint32_t>> all;
-  for (const std::vector<Touch>& touches : steps) {
-    support::setTouches(simulator, touches);
-    simulator.step(1e-3);
-    const FrameView frame = simulator.read();
-    for (int i = 0; i < simulator.numInstances(); ++i) all.push_back(support::bitsOf(frame, i, simulator.numInstances()));
-  }
-  return all;
-}
-
 // Solids, polyhedra and meshes in one model, some instances without an object, over two steps. Only a batch of this size is divided by
 // kinds.
 void expectKindsDoNotShow(const Sensor& sensor) {
   constexpr int kNumInstances = 256;
-  Sensor springs = sensor;  // whose contacts can be drawn
-  springs.skin = {.thickness = sensor.skin.thickness, .law = Winkler{1.73e8, 1, 0}};
+  const Sensor springs = withSprings(sensor);
   Random random(13);
   const std::vector<Object> objects{Object("cylinder", Cylinder{.radius = 8e-3, .length = 30e-3}), support::randomPolyhedron(random, 0.02),
                                     Object("bumps", support::icosphere(10e-3, 4, 0.02, random)), Object("ball", Sphere{.radius = 6e-3})};
@@ -92,23 +93,15 @@ void expectKindsDoNotShow(const Sensor& sensor) {
     touch.X_SO[0].position[0] += 0.1e-3;
     steps[1].push_back(touch);
   }
-  const auto bits = [&](const char* plain) {
-    const Plain without(plain);
-    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
-    Simulator simulator(model, {.num_instances = kNumInstances});
-    return bitsOf(simulator, steps);
-  };
-  EXPECT_EQ(bits(""), bits("kinds"));
+  const Scene scene{sensor, objects, steps};
+  EXPECT_EQ(bitsOf(scene, ""), bitsOf(scene, "kinds"));
 }
 
 TEST(FasterPathsOnEveryDriver, KindsOfObjectsChangeNoBit) {
   Sensor sensor = support::gridSensor();
   sensor.skin.friction = {.tangential_stiffness = 5e7, .friction_coefficient = 0.8};
   expectKindsDoNotShow(sensor);
-  GridPatch patch = sensor.patches[0];
-  patch.name = "second";
-  patch.X_SP.position = {0.03, 0, 0};
-  sensor.patches.push_back(patch);
+  support::addPatch(sensor, {.position = {0.03, 0, 0}});
   sensor.skin.friction = {};
   expectKindsDoNotShow(sensor);
   sensor = support::gridSensor({.num_rows = 5, .num_cols = 6, .samples_per_taxel = 2});
@@ -130,30 +123,21 @@ void expectSequencesDoNotShow(const Sensor& sensor, int num_instances) {
       touch.X_SO[0].position[0] += 0.01e-3;
     }
   }
-  const auto bits = [&](const char* plain) {
-    const Plain without(plain);
-    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
-    Simulator simulator(model, {.num_instances = num_instances});
-    return bitsOf(simulator, steps);
-  };
-  EXPECT_EQ(bits(""), bits("sequences,candidates"));
+  const Scene scene{sensor, objects, steps};
+  EXPECT_EQ(bitsOf(scene, ""), bitsOf(scene, "sequences,candidates"));
 }
 
 TEST(FasterPathsOnEveryDriver, SequencesOfTilesChangeNoBit) {
   Sensor sensor = support::gridSensor();
   expectSequencesDoNotShow(sensor, 256);
-  GridPatch patch = sensor.patches[0];
-  patch.name = "second";
-  patch.X_SP.position = {0.01, 0, 0};
-  sensor.patches.push_back(patch);
+  support::addPatch(sensor, {.position = {0.01, 0, 0}});
   expectSequencesDoNotShow(sensor, 128);
 }
 
 // Covers every pass with barriers for two steps; on a software driver each workgroup is one vector.
 void expectLockstepDoesNotShow(const Sensor& sensor) {
   constexpr int kNumInstances = 6;
-  Sensor springs = sensor;  // whose contacts can be drawn
-  springs.skin.law = Winkler{1.73e8, 1, 0};
+  const Sensor springs = withSprings(sensor);
   Random random(5);
   const std::vector<Object> objects{support::randomMeshObject(random, 0.02), support::randomSolid(random, 0.02),
                                     Object("sphere", support::icosphere(0.02, 4, 0.01, random))};
@@ -167,15 +151,8 @@ void expectLockstepDoesNotShow(const Sensor& sensor) {
     steps[1].push_back(touch);
     loads.push_back(i % 2 == 1 ? 1.5f : kPoseDriven);
   }
-  const auto bits = [&](const char* plain) {
-    const Plain without(plain);
-    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects, .contact_workgroup = 8});
-    Simulator simulator(
-        model, {.num_instances = kNumInstances, .num_slots = 2, .outputs = {.tactile_jacobian = true, .clean_tactile_jacobian = true}});
-    simulator.setLoads(loads);
-    return bitsOf(simulator, steps);
-  };
-  EXPECT_EQ(bits(""), bits("lockstep"));
+  const Scene scene{sensor, objects, steps, loads, 8, {.tactile_jacobian = true, .clean_tactile_jacobian = true}};
+  EXPECT_EQ(bitsOf(scene, ""), bitsOf(scene, "lockstep"));
 }
 
 TEST(FasterPathsOnEveryDriver, LockstepChangesNoBit) {
@@ -200,13 +177,8 @@ void expectSkippedTaxelsForget(const Sensor& sensor) {
     const Quaternion lying{kLie * std::cos(kHalf), kLie * std::cos(kHalf), kLie * std::sin(kHalf), kLie * std::sin(kHalf)};
     steps.push_back({{{0}, {{{at * kSlide, 0, kRadius - 0.6e-3}, lying}}}});
   }
-  const auto bits = [&](const char* plain) {
-    const Plain without(plain);
-    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
-    Simulator simulator(model, {.num_instances = 1});
-    return bitsOf(simulator, steps);
-  };
-  EXPECT_EQ(bits(""), bits("untouched"));
+  const Scene scene{sensor, objects, steps};
+  EXPECT_EQ(bitsOf(scene, ""), bitsOf(scene, "untouched"));
 }
 
 TEST(FasterPathsOnEveryDriver, SkippedTaxelsForgetTheirStates) {
@@ -219,8 +191,7 @@ TEST(FasterPathsOnEveryDriver, SkippedTaxelsForgetTheirStates) {
 // Objects that jump or disappear after every reset: old contents of the buffers change no bit.
 void expectNothingIsLeft(const Sensor& sensor, bool with_loads) {
   constexpr int kNumInstances = 4, kNumSteps = 6;
-  Sensor springs = sensor;  // whose contacts can be drawn
-  springs.skin = {.thickness = sensor.skin.thickness, .law = Winkler{1.73e8, 1, 0}};
+  const Sensor springs = withSprings(sensor);
   Random random(11);
   const std::vector<Object> objects{Object("ball", Sphere{.radius = 6e-3}), Object("bumps", support::icosphere(8e-3, 2, 0.02, random))};
   const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
@@ -231,11 +202,7 @@ void expectNothingIsLeft(const Sensor& sensor, bool with_loads) {
       simulator.reset(i, 0);
       if (with_loads && i % 2 == 1) simulator.setLoad(i, 0.7f);
     }
-    simulator.step(1e-3);
-    const FrameView frame = simulator.read();
-    std::vector<std::vector<std::uint32_t>> bits;
-    for (int i = 0; i < kNumInstances; ++i) bits.push_back(support::bitsOf(frame, i, kNumInstances));
-    return bits;
+    return support::bitsOfAll(support::stepOnce(simulator, 1e-3), kNumInstances);
   };
   for (int step = 0; step < kNumSteps; ++step) {
     std::vector<Touch> touches;
@@ -277,8 +244,7 @@ TEST(FasterPathsOnEveryDriver, PolyhedronAsTrianglesMatchesTheTwin) {
   const Sensor sensor = support::gridSensor();
   const std::vector<Object> objects{support::randomPolyhedron(random, 0.02)};
   const Touch touch{{0}, {support::randomContact(random, sensor, objects[0])}};
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
-  Simulator simulator(model, {});
+  Simulator simulator = support::makeSimulator(sensor, objects);
   support::setTouches(simulator, {touch});
   simulator.step(1e-3);
   const auto placed = touch.placed(objects);
@@ -287,15 +253,9 @@ TEST(FasterPathsOnEveryDriver, PolyhedronAsTrianglesMatchesTheTwin) {
 
 TEST(FasterPathsOnEveryDriver, RejectsAnUnknownName) {
   const Plain without("kinds,pears");
-  try {
-    const Model model(support::sharedDevice(), {.sensor = support::gridSensor()});
-    FAIL() << "taken";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    EXPECT_STREQ(error.what(),
-                 "TAXELSIM_PLAIN: \"pears\" is not allowed: polyhedra, kinds, untouched, candidates, lockstep, alone, sequences, "
-                 "threads, servo, all");
-  }
+  EXPECT_EQ(support::inputError([] { Model(support::sharedDevice(), {.sensor = support::gridSensor()}); }),
+            "TAXELSIM_PLAIN: \"pears\" is not allowed: polyhedra, kinds, untouched, candidates, lockstep, alone, sequences, "
+            "threads, servo, all");
 }
 
 }  // namespace

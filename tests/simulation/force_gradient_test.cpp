@@ -2,10 +2,10 @@
 // batches, and what it refuses.
 #include "reference/tactile_jacobian.h"
 #include "simulation/comparison.h"
-#include "simulation/input_error.h"
 #include "simulation/layer_scene.h"
 #include "support/cases.h"
 #include "support/curved_sensor.h"
+#include "support/input_error.h"
 #include "support/jacobian_cases.h"
 #include "support/random_scene.h"
 #include "support/test.h"
@@ -53,9 +53,7 @@ Sensor gridWithMask() {
 Sensor twoPatches() {
   Random random(5);
   Sensor sensor = areaSensor(support::gridSensor({.num_rows = 5, .num_cols = 6}));
-  sensor.patches.push_back(sensor.patches[0]);
-  sensor.patches[1].name = "second";
-  sensor.patches[1].X_SP = {{0.03, 0, 0}, axisAngle({0, 1, 0}, 0.2)};
+  support::addPatch(sensor, {{0.03, 0, 0}, axisAngle({0, 1, 0}, 0.2)});
   sensor.psf = unevenPsf(random, 3);
   return sensor;
 }
@@ -346,8 +344,8 @@ TEST(ForceGradientOnDevice, ChangesNoFrame) {
 // ---- errors ----
 
 TEST(ForceGradientErrors, RejectsInvalidInput) {
-  const Model model(support::sharedDevice(), {.sensor = support::gridSensor(), .objects = {Object(Sphere{kRadius})}});
-  Simulator simulator(model, {.num_instances = 2, .outputs = {.vjp = true}});
+  Simulator simulator =
+      support::makeSimulator(support::gridSensor(), {Object(Sphere{kRadius})}, {.num_instances = 2, .outputs = {.vjp = true}});
   const std::vector<float> ones(2 * 84, 1);
   const std::vector<Touch> touches(2, Touch{{0}, {{.position = {0, 0, kRadius - 0.5e-3}}}});
   EXPECT_THROW(simulator.vjp(ones), std::logic_error);

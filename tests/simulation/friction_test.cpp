@@ -1,4 +1,4 @@
-// Shear with memory on the device: closed forms, spread, separation and loads.
+// Shear with memory on the device: closed forms, spread, and tiles. Properties of every skin: shear_test.cpp.
 #include "reference/psf.h"
 #include "simulation/comparison.h"
 #include "support/friction_cases.h"
@@ -17,15 +17,12 @@ constexpr double kDt = 1e-3;  // s
 constexpr double kMeanDepth = 0.1e-3;  // m
 
 std::vector<std::vector<Push>> simulateByDevice(const Sensor& sensor, const Object& object, const std::vector<support::Path>& paths) {
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {object}});
-  Simulator simulator(model, {.num_instances = static_cast<int>(paths.size())});
+  Simulator simulator = support::makeSimulator(sensor, {object}, {.num_instances = static_cast<int>(paths.size())});
   std::vector<std::vector<Push>> result(paths.size());
   for (std::size_t step = 0; step < paths[0].size(); ++step) {
     std::vector<Touch> touches;
     for (const support::Path& path : paths) touches.push_back({{0}, {path[step]}});
-    support::setTouches(simulator, touches);
-    simulator.step(kDt);
-    const FrameView frame = simulator.read();
+    const FrameView frame = support::stepOnce(simulator, touches, kDt);
     for (std::size_t i = 0; i < paths.size(); ++i) {
       Push push{.normal = frame.ground_truth.total_force[i]};
       std::copy_n(frame.ground_truth.contact_wrench.begin() + static_cast<std::ptrdiff_t>(6 * i), 6, push.wrench.begin());
@@ -41,41 +38,17 @@ std::vector<Push> pushesOf(const Sensor& sensor, const Object& object, const sup
 
 const FrictionCases kDevice{simulateByDevice, support::kMarginZ / kMeanDepth};
 
-TEST(FrictionOnDevice, DiscTwist) {
-  kDevice.discTwist();
+class FrictionClosedFormOnDevice : public ::testing::TestWithParam<support::FrictionCase> {};
+
+TEST_P(FrictionClosedFormOnDevice, Holds) {
+  (kDevice.*GetParam().check)();
 }
-TEST(FrictionOnDevice, SphereTwist) {
-  kDevice.sphereTwist();
-}
-TEST(FrictionOnDevice, PartialSlipOfAFlat) {
-  kDevice.partialSlipOfAFlat();
-}
-TEST(FrictionOnDevice, PartialSlipOfASphere) {
-  kDevice.partialSlipOfASphere();
-}
-TEST(FrictionOnDevice, PartialSlipOfACylinder) {
-  kDevice.partialSlipOfACylinder();
-}
-TEST(FrictionOnDevice, LoopAreas) {
-  kDevice.loopAreas();
-}
-TEST(FrictionOnDevice, SlantedPress) {
-  kDevice.slantedPress();
-}
-TEST(FrictionOnDevice, RollingCylinder) {
-  kDevice.rollingCylinder();
-}
-TEST(FrictionOnDevice, RollingSphere) {
-  kDevice.rollingSphere();
-}
+
+INSTANTIATE_TEST_SUITE_P(Cases, FrictionClosedFormOnDevice, ::testing::ValuesIn(support::kFrictionCases),
+                         [](const auto& row) { return row.param.name; });
+
 TEST(FrictionOnEveryDriver, SlideStopSlideBack) {
   kDevice.slideStopSlideBack();
-}
-TEST(FrictionOnDevice, SlipTurnsTowardsTheMotion) {
-  kDevice.slipTurnsTowardsTheMotion();
-}
-TEST(FrictionOnDevice, ElasticLayerSticksAndSlips) {
-  kDevice.elasticLayerSticksAndSlips();
 }
 
 // A flat punch on whole samples at the ends of the range: nothing slips if the springs are a million times too soft, everything if they are
@@ -102,12 +75,9 @@ TEST(FrictionOnDevice, SpreadKeepsTheSumAndTheWeights) {
     Sensor spread = plain;
     spread.psf = gaussianPsf(0.7, size);
     const auto shearOf = [&](const Sensor& sensor) {
-      const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.02})}});
-      Simulator simulator(model, {});
+      Simulator simulator = support::makeSimulator(sensor, {Object(Sphere{0.02})});
       for (const double slide : {0.0, 0.3e-3}) {
-        support::setTouches(simulator, {{{0}, {{.position = {-4e-3 + slide, 2e-3 + slide / 3, 0.0193}}}}});
-        simulator.step(kDt);
-        simulator.read();
+        support::stepOnce(simulator, {{{0}, {{.position = {-4e-3 + slide, 2e-3 + slide / 3, 0.0193}}}}}, kDt);
       }
       const auto shear = simulator.read().ground_truth.tactile_shear_force;
       std::vector<std::vector<double>> components(2);
@@ -129,63 +99,18 @@ TEST(FrictionOnDevice, SpreadKeepsTheSumAndTheWeights) {
   }
 }
 
-// Separation releases the springs.
-TEST(FrictionOnDevice, SeparationClearsShear) {
-  Sensor sensor = support::gridSensor();
-  sensor.skin.friction = {1e8, 0.6};
-  const std::vector<Push> pushes = pushesOf(sensor, Object(Sphere{0.01}),
-                                            {{.position = {0, 0, 0.0095}},
-                                             {.position = {0.1e-3, 0, 0.0095}},
-                                             {.position = {0.1e-3, 0, 0.0101}},
-                                             {.position = {0.1e-3, 0, 0.0095}}});
-  EXPECT_GT(pushes[1].wrench[0], 0.1);
-  EXPECT_EQ(pushes[2].wrench[0], 0);
-  EXPECT_EQ(pushes[3].wrench[0], 0);
-}
-
-// Slid far under a load along x of S over level patches, in one tile and over several: all of the contact slips.
-TEST(FrictionOnEveryDriver, SlidingLoadShearsWithMuTimesTheLoad) {
-  for (const int num_patches : {1, 2}) {
-    Sensor sensor = support::gridSensor();
-    for (int p = 1; p < num_patches; ++p) {
-      sensor.patches.push_back(sensor.patches[0]);
-      sensor.patches.back().X_SP.position = {6 * 3.4e-3, 0, 0};
-    }
-    sensor.skin.friction = {1e8, 0.6};
-    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.02})}});
-    Simulator simulator(model, {});
-    simulator.setLoad(0, 3.0f);
-    for (int n = 0; n < 40; ++n) {
-      support::setTouches(simulator, {{{0}, {{.position = {0.1e-3 * n, 0, 0.03}}}}});
-      simulator.step(kDt);
-      const auto wrench = simulator.read().ground_truth.contact_wrench;
-      constexpr double kCarried = 1e-4;  // of the load, by the search
-      EXPECT_NEAR(wrench[2], -3, 3 * kCarried);
-      EXPECT_NEAR(wrench[1], 0, 0.01 * 3);
-      // Springs at the leading edge may still stick; they carry little.
-      const double slips = n == 0 ? 0 : 1;
-      if (n > 30 || n == 0) {
-        EXPECT_NEAR(wrench[0], 0.6 * 3 * slips, 0.01 * 3 * slips);
-      }
-    }
-  }
-}
-
 // Jumps of several taxels over an array of several tiles, from one of which the object moves to the next: nothing stays behind for the
 // spread.
 TEST(FrictionOnDevice, ShearUnderALoadAddsUpBetweenTiles) {
   Sensor sensor = support::gridSensor({.num_rows = 6, .num_cols = 96});
   sensor.skin.friction = {1e8, 0.6};
   sensor.psf = gaussianPsf(2, 9);
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.01})}});
-  Simulator simulator(model, {});
+  Simulator simulator = support::makeSimulator(sensor, {Object(Sphere{0.01})});
   simulator.setLoad(0, 2.0f);
   constexpr int kNumFrames = 60;
   for (int n = 0; n < kNumFrames; ++n) {
     const double y = (n - kNumFrames / 2) * 5e-3 + (n % 2) * 1e-3;
-    support::setTouches(simulator, {{{0}, {{.position = {0, y, 0.0095}}}}});
-    simulator.step(kDt);
-    const FrameView frame = simulator.read();
+    const FrameView frame = support::stepOnce(simulator, {{{0}, {{.position = {0, y, 0.0095}}}}}, kDt);
     double x_sum = 0, y_sum = 0;
     const auto shear = frame.ground_truth.tactile_shear_force;
     for (std::size_t k = 0; k < shear.size(); k += 2) x_sum += shear[k], y_sum += shear[k + 1];

@@ -292,8 +292,7 @@ void runPath(const PathKind& kind, int seed) {
   for (int step = 0; step < kNumSteps; ++step) {
     support::setTouches(simulator, touches);
     const double dt = kind.shears == Shears::kSprings ? 1e-3 : std::pow(10, random.uniform(-4, 1));
-    simulator.step(dt);
-    const FrameView frame = simulator.read();
+    const FrameView frame = support::stepOnce(simulator, dt);
     support::expectWellFormed(frame, sensor, kNumInstances);
     for (std::size_t i = 0; i < kNumInstances; ++i) {
       SCOPED_TRACE("step " + std::to_string(step) + ", instance " + std::to_string(i));

@@ -1,6 +1,6 @@
 // What a step of some instances refuses, and that nothing changes then.
 #include "simulation/comparison.h"
-#include "simulation/input_error.h"
+#include "support/input_error.h"
 #include "support/random_scene.h"
 #include "support/test.h"
 

@@ -307,9 +307,7 @@ TEST(HeldInstancesOnEveryDriver, ContactFeaturesAndJacobian) {
 // Loads are searched over tiles.
 TEST(HeldInstancesOnEveryDriver, SeveralPatches) {
   Sensor sensor = smallSensor();
-  sensor.patches.push_back(sensor.patches[0]);
-  sensor.patches[1].name = "second";
-  sensor.patches[1].X_SP = {{0.012, 0, 0}, axisAngle({0, 1, 0}, 0.1)};
+  support::addPatch(sensor, {{0.012, 0, 0}, axisAngle({0, 1, 0}, 0.1)});
   expectEpisodesAsAlone({.sensor = sensor, .objects = solids(), .outputs = kAllOutputs, .max_regions = 2, .loads = true});
   sensor.skin.friction = {.tangential_stiffness = 5e7, .friction_coefficient = 0.8};
   sensor.skin.relaxation = {{.fraction = 0.3, .time = 0.02}};

@@ -20,9 +20,7 @@ constexpr std::uint64_t kSeed = 77;
 Sensor busySensor(int num_patches) {
   Sensor sensor = support::gridSensor({.num_rows = 5, .num_cols = 7, .samples_per_taxel = 3});
   for (int p = 1; p < num_patches; ++p) {
-    sensor.patches.push_back(sensor.patches[0]);
-    sensor.patches.back().name = "another";
-    sensor.patches.back().X_SP = {{0.02, 0, 0}, axisAngle({0, 1, 0}, 0.1)};
+    support::addPatch(sensor, {{0.02, 0, 0}, axisAngle({0, 1, 0}, 0.1)});
   }
   sensor.psf = gaussianPsf(0.5, 3);
   Readout& readout = sensor.readout;
@@ -63,14 +61,10 @@ std::vector<std::vector<std::uint32_t>> bitsOfEpisodes(Simulator& simulator, con
   for (int n = 0; n < num_steps; ++n) {
     std::vector<Touch> touches;
     for (const std::uint64_t episode : episodes) touches.push_back(touchOf(episode, n));
-    support::setTouches(simulator, touches);
-    simulator.step(kDt);
-    support::expectWellFormed(simulator.read(), simulator.model().sensor(), num_instances);
+    support::expectWellFormed(support::stepOnce(simulator, touches, kDt), simulator.model().sensor(), num_instances);
   }
   const FrameView frame = simulator.read();
-  std::vector<std::vector<std::uint32_t>> bits;
-  for (int i = 0; i < num_instances; ++i) bits.push_back(support::bitsOf(frame, i, num_instances));
-  return bits;
+  return support::bitsOfAll(frame, num_instances);
 }
 
 // A normal number is sqrt(-2 log u) cos(angle): Vulkan lets a driver's cos be off by 2^-11, and the root is at most 5.8.
@@ -94,8 +88,7 @@ TEST(ImperfectionsOnEveryDriver, CountsMatchTheTwin) {
     const std::uint32_t steps_per_frame = num_patches == 1 ? 1 : 2;
     sensor.frame_rate = num_patches == 1 ? 0 : 0.5 / kDt;
     const Readout& readout = sensor.readout;
-    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects()});
-    Simulator simulator(model, {.seed = kSeed});
+    Simulator simulator = support::makeSimulator(sensor, objects(), {.seed = kSeed});
     const auto num_taxels = static_cast<std::size_t>(numTaxels(sensor));
     int num_dead = 0, num_read = 0;
     for (std::uint64_t episode = 40; episode < 44; ++episode) {
@@ -183,11 +176,9 @@ void expectOffsetsEverywhere(double bias, double random_walk) {
   sensor.readout.saturation = 65535;
   sensor.readout.bias = bias;
   sensor.readout.random_walk = random_walk;
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(HalfSpace{})}});
-  Simulator simulator(model, {.seed = 9});
+  Simulator simulator = support::makeSimulator(sensor, {Object(HalfSpace{})}, {.seed = 9});
   for (int n = 0; n < 10; ++n) {
-    simulator.step(1e-3);
-    const FrameView frame = simulator.read();
+    const FrameView frame = support::stepOnce(simulator, 1e-3);
     // Negative values are cut to 0: over all taxels the mean is sigma / sqrt(2 pi), the mean square sigma^2 / 2.
     const double variance = bias * bias + random_walk * random_walk * 1e-3 * (n + 1);
     double mean = 0, square = 0;
@@ -235,13 +226,10 @@ TEST(ImperfectionsOnEveryDriver, TinyImperfectionsChangeNoCount) {
                                                                [](Readout& r) { r.press_gain_spread = 1e-12; },
                                                                [](Readout& r) { r.dead_taxel_probability = 1e-12; }};
   const auto run = [&](const Sensor& sensor) {
-    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects()});
-    Simulator simulator(model, {.seed = kSeed});
+    Simulator simulator = support::makeSimulator(sensor, objects(), {.seed = kSeed});
     std::vector<std::uint32_t> bits;
     for (int n = 0; n < 3; ++n) {
-      support::setTouches(simulator, {touchOf(1, n)});
-      simulator.step(kDt);
-      const std::vector<std::uint32_t> more = arraysOf(simulator.read());
+      const std::vector<std::uint32_t> more = arraysOf(support::stepOnce(simulator, {touchOf(1, n)}, kDt));
       bits.insert(bits.end(), more.begin(), more.end());
     }
     return bits;
@@ -261,12 +249,9 @@ TEST(ImperfectionsOnEveryDriver, GroundTruthStaysClean) {
   plain.readout.trigger = busy.readout.trigger;
   std::vector<std::vector<float>> forces, wrenches;
   for (const Sensor& sensor : {busy, plain}) {
-    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects()});
-    Simulator simulator(model, {.seed = kSeed});
+    Simulator simulator = support::makeSimulator(sensor, objects(), {.seed = kSeed});
     for (int n = 0; n < 3; ++n) {
-      support::setTouches(simulator, {touchOf(1, n)});
-      simulator.step(kDt);
-      simulator.read();
+      support::stepOnce(simulator, {touchOf(1, n)}, kDt);
     }
     const GroundTruthView truth = simulator.read().ground_truth;
     forces.emplace_back(truth.tactile_normal_force.begin(), truth.tactile_normal_force.end());

@@ -4,6 +4,7 @@
 #include "reference/readout.h"
 #include "simulation/comparison.h"
 #include "support/cases.h"
+#include "support/input_error.h"
 #include "support/random_scene.h"
 #include "support/test.h"
 #include "taxelsim/error.h"
@@ -34,9 +35,7 @@ class Punch {
 
   // Holds the punch at a depth (m) for a step of dt (s).
   void step(double depth, double dt) {
-    simulator_.setObjects(std::vector<int>{0}, std::vector<Pose>{{.position = {0, 0, -depth}}});
-    simulator_.step(dt);
-    const FrameView frame = simulator_.read();
+    const FrameView frame = support::stepOnce(simulator_, {{{0}, {{.position = {0, 0, -depth}}}}}, dt);
     counts = frame.tactile_image[0];
     shown = counts / kCountsPerNewton;
     force = frame.ground_truth.tactile_normal_force[0];
@@ -127,18 +126,10 @@ TEST(LagOnDevice, DelayShiftsByWholeSteps) {
 TEST(LagOnDevice, RejectsADelayOfTooManySteps) {
   Sensor sensor = punchedSensor();
   sensor.readout.delay = 0.32;
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(HalfSpace{})}});
-  Simulator simulator(model, {});
-  simulator.step(0.01);
-  simulator.read();
-  try {
-    simulator.step(0.0099);
-    ADD_FAILURE() << "was taken";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    EXPECT_STREQ(error.what(),
-                 "readout.delay: 0.32 is not allowed: s, at most 32 steps of 0.0099 s (0.3168 s); shorten it or take longer steps");
-  }
+  Simulator simulator = support::makeSimulator(sensor, {Object(HalfSpace{})});
+  support::stepOnce(simulator, 0.01);
+  EXPECT_EQ(support::inputError([&] { simulator.step(0.0099); }),
+            "readout.delay: 0.32 is not allowed: s, at most 32 steps of 0.0099 s (0.3168 s); shorten it or take longer steps");
   simulator.step(0.01);  // a refusal changes nothing
   simulator.read();
 }
@@ -169,12 +160,10 @@ TEST(LagOnEveryDriver, StateAdvancesAfterContactEnds) {
   Sensor sensor = support::gridSensor();
   sensor.readout = punchedSensor().readout;
   sensor.readout.low_pass_time = 0.05;
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.004})}});
-  Simulator simulator(model, {});
+  Simulator simulator = support::makeSimulator(sensor, {Object(Sphere{0.004})});
   simulator.setObjects(std::vector<int>{0}, std::vector<Pose>{{.position = {0, 1.7e-3, 0.003}}});
   for (int n = 0; n < 100; ++n) {
-    simulator.step(0.01);
-    simulator.read();
+    support::stepOnce(simulator, 0.01);
   }
   const std::span<const std::uint32_t> image = simulator.read().tactile_image;
   const std::vector<std::uint32_t> settled(image.begin(), image.end());
@@ -182,8 +171,8 @@ TEST(LagOnEveryDriver, StateAdvancesAfterContactEnds) {
   ASSERT_GT(settled[touched], 1000u);
   simulator.setObjects(std::vector<int>{0}, std::vector<Pose>{{.position = {0.009, -0.02, 0.003}}});
   for (int n = 1; n <= 20; ++n) {
-    simulator.step(0.01);
-    ASSERT_NEAR(simulator.read().tactile_image[touched], settled[touched] * std::exp(-0.01 * n / 0.05), 1.5) << "counts, in step " << n;
+    ASSERT_NEAR(support::stepOnce(simulator, 0.01).tactile_image[touched], settled[touched] * std::exp(-0.01 * n / 0.05), 1.5)
+        << "counts, in step " << n;
   }
 }
 
@@ -238,8 +227,7 @@ TEST_P(LagSeeds, CountsFollowTheTwin) {
     }
     const double dt = random.uniform(0.004, 0.02);
     simulator.setObjects(std::vector<int>(kNumInstances, 0), X_SO);
-    simulator.step(dt);
-    const FrameView frame = simulator.read();
+    const FrameView frame = support::stepOnce(simulator, dt);
     for (std::size_t i = 0; i < kNumInstances; ++i) {
       const auto force = frame.ground_truth.tactile_normal_force.subspan(i * num_taxels, num_taxels);
       const auto counts = frame.tactile_image.subspan(i * num_taxels, num_taxels);
@@ -294,12 +282,9 @@ TEST(LagOnDevice, ExtremeParametersStayFinite) {
       Sensor sensor = support::gridSensor({.num_rows = 3, .num_cols = 3, .samples_per_taxel = 1});
       sensor.readout.curve = {1000};
       set(sensor.readout, factor);
-      const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(HalfSpace{})}});
-      Simulator simulator(model, {});
+      Simulator simulator = support::makeSimulator(sensor, {Object(HalfSpace{})});
       for (int n = 0; n < 4; ++n) {
-        simulator.setObjects(std::vector<int>{0}, std::vector<Pose>{{.position = {0, 0, -0.5e-3 * (n % 2)}}});
-        simulator.step(0.01);
-        const FrameView frame = simulator.read();
+        const FrameView frame = support::stepOnce(simulator, {{{0}, {{.position = {0, 0, -0.5e-3 * (n % 2)}}}}}, 0.01);
         support::expectWellFormed(frame, sensor, 1);
         EXPECT_LE(*std::max_element(frame.tactile_image.begin(), frame.tactile_image.end()), 4095u);
       }

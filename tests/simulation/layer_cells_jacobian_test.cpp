@@ -157,8 +157,7 @@ TEST(LayerCellsJacobianOnEveryDriver, MatchesTheTwin) {
     Sensor sensor = cellSensor(relaxes ? ElasticLayer::Base::kBonded : ElasticLayer::Base::kHalfSpace);
     sensor.patches[0].X_SP = {{0.001, -0.002, 0.0005}, {std::cos(0.2), 0, 0, std::sin(0.2)}};
     if (relaxes) sensor.skin.relaxation = {{0.5, 0.02}};
-    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
-    Simulator simulator(model, {.num_instances = kInstances, .outputs = kJacobians});
+    Simulator simulator = support::makeSimulator(sensor, objects, {.num_instances = kInstances, .outputs = kJacobians});
     Random random(21);
     std::vector<Touch> touches;
     for (int i = 0; i < kInstances; ++i) {
@@ -167,9 +166,7 @@ TEST(LayerCellsJacobianOnEveryDriver, MatchesTheTwin) {
     }
     std::vector<reference::SkinHistory> skins(kInstances, reference::SkinHistory(sensor.skin.relaxation));
     for (int f = 0; f < (relaxes ? kFrames : 1); ++f) {
-      support::setTouches(simulator, touches);
-      simulator.step(kDt);
-      const FrameView frame = simulator.read();
+      const FrameView frame = support::stepOnce(simulator, touches, kDt);
       for (std::size_t i = 0; i < kInstances; ++i) {
         SCOPED_TRACE((relaxes ? "relaxing, frame " : "frame ") + std::to_string(f) + " instance " + std::to_string(i));
         const auto placed = touches[i].placed(objects);
@@ -208,9 +205,7 @@ TEST(LayerCellsJacobianOnEveryDriver, MatchesDifferencesOfItsFrames) {
         for (const int side : {-1, 1}) touches.push_back(afterTwist(touch, k, side * stepOf(k, kStep)));
       }
     }
-    support::setTouches(simulator, touches);
-    simulator.step(kDt);
-    const GroundTruthView truth = simulator.read().ground_truth;
+    const GroundTruthView truth = support::stepOnce(simulator, touches, kDt).ground_truth;
     Errors of_taxels, of_torque;
     for (std::size_t n = 0; n < kPlaces; ++n) {
       const std::size_t first = n * kPoses;
@@ -236,23 +231,6 @@ TEST(LayerCellsJacobianOnEveryDriver, MatchesDifferencesOfItsFrames) {
     print(id == 0 ? "pin, taxels" : "box, taxels", of_taxels);
     print(id == 0 ? "pin, torque" : "box, torque", of_torque);
   }
-}
-
-// The Jacobian changes no force.
-TEST(LayerCellsJacobian, ChangesNoOtherOutput) {
-  const Sensor sensor = cellSensor();
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Cylinder{1e-3, kLength})}});
-  Random random(4);
-  const Touch touch = placeOf(random, {1, 0, 0, 0});
-  std::vector<std::vector<float>> forces;
-  for (const bool wanted : {false, true}) {
-    Simulator simulator(model, {.outputs = wanted ? kJacobians : OutputOptions{}});
-    support::setTouches(simulator, {touch});
-    simulator.step(kDt);
-    const FrameView frame = simulator.read();
-    forces.emplace_back(frame.ground_truth.tactile_normal_force.begin(), frame.ground_truth.tactile_normal_force.end());
-  }
-  EXPECT_EQ(forces[0], forces[1]);
 }
 
 }  // namespace

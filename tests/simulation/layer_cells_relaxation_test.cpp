@@ -59,9 +59,7 @@ TEST(ElasticLayerAreaRelaxationOnEveryDriver, HeldPinsFollowThePronySeries) {
     std::vector<double> first;
     double time = 0;
     for (const double dt : {0.01, 0.02, 0.05, 0.3, 2.0}) {
-      support::setTouches(simulator, touches);
-      simulator.step(dt);
-      const FrameView frame = simulator.read();
+      const FrameView frame = support::stepOnce(simulator, touches, dt);
       if (first.empty()) {
         for (std::size_t i = 0; i < kPlaces; ++i) first.push_back(carriedBy(frame, i));
         continue;
@@ -81,9 +79,7 @@ TEST(ElasticLayerAreaRelaxation, TheDentOfAPinRecovers) {
                     {.sensor = relaxingCells({}, {{0.6, 0.1}, {0.1, 0.5}}), .objects = {Cylinder{kWideRadius, kLength}}});
   Simulator simulator(model, {});
   const auto press = [&](double depth, double dt) {
-    support::setTouches(simulator, {pinAt(0.3e-3, 0.5e-3, depth)});
-    simulator.step(dt);
-    return carriedBy(simulator.read(), 0);
+    return carriedBy(support::stepOnce(simulator, {pinAt(0.3e-3, 0.5e-3, depth)}, dt), 0);
   };
   const double first = press(0.5e-3, 1e-3);
   for (int n = 0; n < 10; ++n) press(0.5e-3, 0.1);
@@ -113,8 +109,7 @@ TEST(ElasticLayerAreaRelaxationOnEveryDriver, SlidingPinsHaveAContinuousForce) {
       const double along = n * kStep;
       support::setTouches(simulator,
                           {pinAt(along, 0.1e-3, kDepth), pinAt(0.6 * along, 0.8 * along, kDepth), pinAt(0.425e-3, -along, kDepth)});
-      simulator.step(dt);
-      const FrameView frame = simulator.read();
+      const FrameView frame = support::stepOnce(simulator, dt);
       for (std::size_t i = 0; i < 3; ++i) {
         const double force = carriedBy(frame, i);
         ASSERT_TRUE(std::isfinite(force));
@@ -145,8 +140,7 @@ TEST(ElasticLayerAreaRelaxationOnEveryDriver, MatchesTheTwin) {
   const std::vector<RelaxationTerm> terms{{0.4, 0.02}, {0.3, 0.5}};
   const Sensor sensor = relaxingCells({.poisson_ratio = 0.45, .margin = 1.7e-3}, terms);
   const std::vector<Object> objects{Cylinder{kPinRadius, kLength}, Cylinder{kWideRadius, kLength}, Box{{0.9e-3, 3e-3, kLength}}};
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
-  Simulator simulator(model, {.num_instances = kInstances});
+  Simulator simulator = support::makeSimulator(sensor, objects, {.num_instances = kInstances});
   std::vector<Touch> touches;
   for (int i = 0; i < kInstances; ++i)
     touches.push_back(pinAt(random.uniform(-2e-3, 2e-3), random.uniform(-2e-3, 2e-3), random.uniform(0.4e-3, 1e-3), i % 3));
@@ -156,10 +150,7 @@ TEST(ElasticLayerAreaRelaxationOnEveryDriver, MatchesTheTwin) {
   std::vector<reference::SkinHistory> skins(kInstances, reference::SkinHistory(terms));
   for (int f = 0; f < kFrames; ++f) {
     const double dt = std::pow(10, random.uniform(-3, -0.5));
-    support::setTouches(simulator, touches);
-    simulator.setLoads(loads);
-    simulator.step(dt);
-    const FrameView frame = simulator.read();
+    const FrameView frame = support::stepOnce(simulator, touches, dt, loads);
     support::expectWellFormed(frame, sensor, kInstances);
     for (std::size_t i = 0; i < kInstances; ++i) {
       SCOPED_TRACE("frame " + std::to_string(f) + " instance " + std::to_string(i));
@@ -184,53 +175,6 @@ TEST(ElasticLayerAreaRelaxationOnEveryDriver, MatchesTheTwin) {
       touches[i].X_SO[0].position[1] += random.uniform(-0.3e-3, 0.3e-3);
       touches[i].X_SO[0].position[2] += f == 2 ? 0.3e-3 : f == 3 ? -0.3e-3 : 0;
     }
-  }
-}
-
-// ---- batches ----
-
-// The same bits in a batch, alone, with other workgroups and after a reset, with the Jacobian.
-TEST(ElasticLayerAreaRelaxation, IndependentOfBatchAndWorkgroup) {
-  constexpr int kInstances = 4, kFrames = 3;
-  Random random(16);
-  const Sensor sensor = relaxingCells({.margin = 1.7e-3, .iterations = 10, .tolerance = 1e-3}, {{0.3, 1e-3}, {0.4, 0.01}});
-  const std::vector<Object> objects{Cylinder{kWideRadius, kLength}, Box{{0.9e-3, 3e-3, kLength}}};
-  std::vector<std::vector<Touch>> frames(kFrames);
-  for (std::vector<Touch>& frame : frames) {
-    for (int i = 0; i < kInstances; ++i) frame.push_back(pinAt(random.uniform(-1e-3, 1e-3), random.uniform(-1e-3, 1e-3), 0.5e-3, i % 2));
-  }
-  const std::vector<float> loads{kPoseDriven, 2, 0.5f, kPoseDriven};
-  const OutputOptions outputs{.clean_tactile_jacobian = true, .taxel_jacobian = true};
-  const auto run = [&](Simulator& simulator, const std::vector<std::size_t>& instances) {
-    std::vector<std::vector<std::uint32_t>> bits(instances.size());
-    for (const std::vector<Touch>& frame : frames) {
-      std::vector<Touch> touches;
-      for (const std::size_t i : instances) touches.push_back(frame[i]);
-      support::setTouches(simulator, touches);
-      for (std::size_t i = 0; i < instances.size(); ++i) simulator.setLoad(static_cast<int>(i), loads[instances[i]]);
-      simulator.step(3e-3);
-      const FrameView view = simulator.read();
-      for (std::size_t i = 0; i < instances.size(); ++i) {
-        const auto now = support::bitsOf(view, static_cast<int>(i), static_cast<int>(instances.size()));
-        bits[i].insert(bits[i].end(), now.begin(), now.end());
-        for (const float value : view.ground_truth.jacobian.contact_wrench.subspan(36 * i, 36)) {
-          bits[i].push_back(std::bit_cast<std::uint32_t>(value));
-        }
-      }
-    }
-    return bits;
-  };
-  const std::vector<std::size_t> all{0, 1, 2, 3};
-  std::vector<std::vector<std::uint32_t>> expected;
-  for (const int workgroup : {8, 32}) {
-    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects, .contact_workgroup = workgroup});
-    Simulator together(model, {.num_instances = kInstances, .outputs = outputs}), alone(model, {.outputs = outputs});
-    const auto bits = run(together, all);
-    if (expected.empty()) expected = bits;
-    EXPECT_EQ(bits, expected) << workgroup;
-    EXPECT_EQ(run(alone, {1})[0], expected[1]) << workgroup;
-    for (int i = 0; i < kInstances; ++i) together.reset(i, 0);
-    EXPECT_EQ(run(together, all), expected) << "after a reset";
   }
 }
 

@@ -3,8 +3,8 @@
 #include "reference/frame.h"
 #include "sensor/flat_punch.h"
 #include "simulation/comparison.h"
-#include "simulation/input_error.h"
 #include "simulation/layer_scene.h"
+#include "support/input_error.h"
 #include "support/random_scene.h"
 #include "support/test.h"
 #include "taxelsim/error.h"
@@ -41,13 +41,6 @@ std::vector<Touch> pinsAt(Random& random, int count, double depth, int id = 0) {
   return touches;
 }
 
-FrameView stepOnce(Simulator& simulator, const std::vector<Touch>& touches, const std::vector<float>& loads = {}) {
-  support::setTouches(simulator, touches);
-  if (!loads.empty()) simulator.setLoads(loads);
-  simulator.step(kDt);
-  return simulator.read();
-}
-
 // Force of a rigid flat pin, N.
 double punchForce(const LayerOptions& skin, double radius, double depth) {
   const double ratio = skin.base == Base::kHalfSpace ? 1 : punchFactor(radius / skin.thickness, skin.poisson_ratio);
@@ -69,7 +62,7 @@ TEST(ElasticLayerAreaOnEveryDriver, PinsHaveTheirForceAnywhere) {
     for (const int id : {0, 1}) {
       Random random(3);
       const std::vector<Touch> touches = pinsAt(random, kPlaces, kDepth, id);
-      const FrameView frame = stepOnce(simulator, touches);
+      const FrameView frame = support::stepOnce(simulator, touches, kDt);
       const double force = punchForce(skin, id == 0 ? kPinRadius : kWideRadius, kDepth);
       double least = 2, most = 0;
       for (std::size_t i = 0; i < kPlaces; ++i) {
@@ -96,9 +89,8 @@ TEST(ElasticLayerArea, SpheresAreAsWithPoints) {
   for (const DepthSampling sampling : {DepthSampling::kPoint, DepthSampling::kArea}) {
     Sensor sensor = cellSensor({.poisson_ratio = 0.49});
     sensor.depth_sampling = sampling;
-    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Sphere{5e-3}}});
-    Simulator simulator(model, {.num_instances = 16});
-    const FrameView frame = stepOnce(simulator, touches);
+    Simulator simulator = support::makeSimulator(sensor, {Sphere{5e-3}}, {.num_instances = 16});
+    const FrameView frame = support::stepOnce(simulator, touches, kDt);
     forces.emplace_back(frame.ground_truth.total_force.begin(), frame.ground_truth.total_force.end());
   }
   for (std::size_t i = 0; i < 16; ++i) EXPECT_NEAR(forces[1][i] / forces[0][i], 1, kRounding);
@@ -143,8 +135,7 @@ TEST(ElasticLayerAreaOnEveryDriver, MatchesTheTwin) {
   sensor.patches[0].X_SP = {{0.001, -0.002, 0.0005}, {std::cos(0.2), 0, 0, std::sin(0.2)}};
   const std::vector<Object> objects{Cylinder{kPinRadius, kLength}, Cylinder{kWideRadius, kLength}, Box{{0.9e-3, 6e-3, kLength}},
                                     Sphere{3e-3}};
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
-  Simulator simulator(model, {.num_instances = kInstances, .outputs = {.tactile_shear_force = true}});
+  Simulator simulator = support::makeSimulator(sensor, objects, {.num_instances = kInstances, .outputs = {.tactile_shear_force = true}});
   std::vector<Touch> touches;
   std::vector<double> depths;
   for (int i = 0; i < kInstances; ++i) {
@@ -158,7 +149,7 @@ TEST(ElasticLayerAreaOnEveryDriver, MatchesTheTwin) {
   }
   std::vector<reference::FrictionState> states(kInstances);
   for (int f = 0; f < 2; ++f) {
-    const FrameView frame = stepOnce(simulator, touches);
+    const FrameView frame = support::stepOnce(simulator, touches, kDt);
     support::expectWellFormed(frame, sensor, kInstances);
     for (std::size_t i = 0; i < kInstances; ++i) {
       SCOPED_TRACE("frame " + std::to_string(f) + " instance " + std::to_string(i));
@@ -182,11 +173,10 @@ TEST(ElasticLayerArea, PinsCarryLoads) {
   const std::vector<Object> objects{Cylinder{kPinRadius, kLength}};
   Random random(6);
   std::vector<Touch> touches = pinsAt(random, kPlaces, -0.03);
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
-  Simulator simulator(model, {.num_instances = kPlaces});
+  Simulator simulator = support::makeSimulator(sensor, objects, {.num_instances = kPlaces});
   std::vector<float> loads(kPlaces, static_cast<float>(kLoad));
   loads.back() = 1e4f;  // more than full depth
-  const FrameView pressed = stepOnce(simulator, touches, loads);
+  const FrameView pressed = support::stepOnce(simulator, touches, kDt, loads);
   for (std::size_t i = 0; i < kPlaces; ++i) {
     const reference::LayerContact twin = reference::loadedLayerContact(sensor, touches[i].placed(objects), loads[i]);
     EXPECT_EQ(pressed.ground_truth.load_reached[i], i + 1 < kPlaces ? 1 : 0);
@@ -196,58 +186,21 @@ TEST(ElasticLayerArea, PinsCarryLoads) {
     EXPECT_NEAR(pressed.ground_truth.load_offset[i], twin.offset, kPacking * sensor.skin.thickness);
     touches[i].X_SO[0].position[2] += pressed.ground_truth.load_offset[i];
   }
-  const FrameView at_depth = stepOnce(simulator, touches, std::vector<float>(kPlaces, static_cast<float>(kPoseDriven)));
+  const FrameView at_depth = support::stepOnce(simulator, touches, kDt, std::vector<float>(kPlaces, static_cast<float>(kPoseDriven)));
   for (std::size_t i = 0; i + 1 < kPlaces; ++i) EXPECT_NEAR(at_depth.ground_truth.total_force[i], kLoad, 2 * kCarried * kLoad);
 }
 
-// ---- batches, frames, refusals ----
-
-std::vector<std::uint32_t> bitsWithLayer(const FrameView& frame, int i, int num_instances) {
-  std::vector<std::uint32_t> bits = support::bitsOf(frame, i, num_instances);
-  bits.push_back(std::bit_cast<std::uint32_t>(frame.ground_truth.contact_residual[static_cast<std::size_t>(i)]));
-  bits.push_back(static_cast<std::uint32_t>(frame.ground_truth.contact_iterations[static_cast<std::size_t>(i)]));
-  return bits;
-}
-
-TEST(ElasticLayerArea, IndependentOfBatchAndWorkgroup) {
-  constexpr int kInstances = 5;
-  Random random(7);
-  Sensor sensor = cellSensor({.margin = 1.7e-3, .iterations = 8, .tolerance = 1e-3});
-  const std::vector<Object> objects{Cylinder{kPinRadius, kLength}, Box{{0.9e-3, 6e-3, kLength}}};
-  const std::vector<float> loads{kPoseDriven, 0.5f, kPoseDriven, kPoseDriven, 2};
-  std::vector<std::vector<Touch>> frames;
-  for (int f = 0; f < 2; ++f) {
-    std::vector<Touch> touches;
-    for (int i = 0; i < kInstances; ++i) touches.push_back(pinsAt(random, 1, 0.5e-3, i % 2).front());
-    frames.push_back(touches);
-  }
-  std::vector<std::vector<std::uint32_t>> expected;
-  for (const int workgroup : {8, 32}) {
-    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects, .contact_workgroup = workgroup});
-    Simulator together(model, {.num_instances = kInstances});
-    Simulator alone(model, {.num_instances = 1});
-    for (std::size_t f = 0; f < frames.size(); ++f) {
-      const FrameView frame = stepOnce(together, frames[f], loads);
-      for (int i = 0; i < kInstances; ++i) {
-        const auto bits = bitsWithLayer(frame, i, kInstances);
-        if (workgroup == 8) expected.push_back(bits);
-        EXPECT_EQ(bits, expected[f * kInstances + static_cast<std::size_t>(i)]) << "workgroup " << workgroup << " instance " << i;
-      }
-      EXPECT_EQ(bitsWithLayer(stepOnce(alone, {frames[f][0]}), 0, 1), expected[f * kInstances]) << "alone";
-    }
-  }
-}
+// ---- frames, refusals ----
 
 // From the pressures of a frame before, in cells that were covered otherwise, the solver comes to the same forces.
 TEST(ElasticLayerArea, WarmStartConvergesToTheColdSolution) {
   constexpr double kError = 1e-3;
   const Sensor sensor = cellSensor({});
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Cylinder{kWideRadius, kLength}}});
-  Simulator simulator(model, {.num_instances = 1});
-  for (int k = 0; k < 8; ++k) stepOnce(simulator, {pinAt(k * 0.15e-3, 0.1e-3, 0.5e-3)});
-  const double warm = stepOnce(simulator, {pinAt(1.2e-3, 0.1e-3, 0.5e-3)}).ground_truth.total_force[0];
+  Simulator simulator = support::makeSimulator(sensor, {Cylinder{kWideRadius, kLength}});
+  for (int k = 0; k < 8; ++k) support::stepOnce(simulator, {pinAt(k * 0.15e-3, 0.1e-3, 0.5e-3)}, kDt);
+  const double warm = support::stepOnce(simulator, {pinAt(1.2e-3, 0.1e-3, 0.5e-3)}, kDt).ground_truth.total_force[0];
   simulator.reset(0, 0);
-  EXPECT_NEAR(stepOnce(simulator, {pinAt(1.2e-3, 0.1e-3, 0.5e-3)}).ground_truth.total_force[0], warm, kError * warm);
+  EXPECT_NEAR(support::stepOnce(simulator, {pinAt(1.2e-3, 0.1e-3, 0.5e-3)}, kDt).ground_truth.total_force[0], warm, kError * warm);
 }
 
 TEST(ElasticLayerArea, RefusesWhatItHasNot) {

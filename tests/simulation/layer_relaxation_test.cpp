@@ -66,13 +66,7 @@ class LayerRelaxationTwinSeeds : public ::testing::TestWithParam<int> {
     const std::vector<Object> objects = support::roundObjects(random);
     std::vector<Touch> touches(kNumInstances), elsewhere(kNumInstances);
     for (std::vector<Touch>* places : {&touches, &elsewhere}) {
-      for (Touch& touch : *places) {
-        for (int slot = 0; slot < kind.num_slots; ++slot) {
-          const Touch one = support::randomTouch(random, sensor, objects);
-          touch.ids.push_back(one.ids[0]);
-          touch.X_SO.push_back(one.X_SO[0]);
-        }
-      }
+      for (Touch& touch : *places) touch = support::randomTouch(random, sensor, objects, kind.num_slots);
     }
     const int workgroups[] = {0, 4, 16, 32};
     const Model model(support::sharedDevice(),
@@ -89,10 +83,7 @@ class LayerRelaxationTwinSeeds : public ::testing::TestWithParam<int> {
       }
       std::vector<float> loads(kNumInstances, kPoseDriven);
       for (std::size_t i = 0; kind.with_loads && i < 2; ++i) loads[i] = static_cast<float>(std::pow(10, random.uniform(-1.5, 0.5)));
-      support::setTouches(simulator, touches);
-      simulator.setLoads(loads);
-      simulator.step(dt);
-      const FrameView frame = simulator.read();
+      const FrameView frame = support::stepOnce(simulator, touches, dt, loads);
       support::expectWellFormed(frame, sensor, kNumInstances);
       const GroundTruthView& truth = frame.ground_truth;
       for (std::size_t i = 0; i < kNumInstances; ++i) {
@@ -182,8 +173,7 @@ class PressedLayer {
   GroundTruthView step(const Vector3& position, float load, double dt) {
     support::setTouches(simulator_, {{{0}, {{.position = position}}}});
     simulator_.setLoad(0, load);
-    simulator_.step(dt);
-    const FrameView frame = simulator_.read();
+    const FrameView frame = support::stepOnce(simulator_, dt);
     support::expectWellFormed(frame, sensor_, 1);
     return frame.ground_truth;
   }
@@ -226,14 +216,11 @@ TEST(ElasticLayerRelaxation, BulgeAroundADentTouches) {
   const std::vector<RelaxationTerm> terms{{0.9, 0.1}};
   const Sensor sensor = relaxingSensor({.poisson_ratio = 0.5}, terms, 2);
   const std::vector<Object> objects{Object(Sphere{0.01}), Object(Sphere{0.004})};
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
-  Simulator simulator(model, {});
+  Simulator simulator = support::makeSimulator(sensor, objects);
   reference::SkinHistory skin(terms);
   const Touch pressed{{0}, {{.position = {-4e-3, 1e-3, 0.01 - 1e-3}}}}, next_to{{1}, {{.position = {2e-3, 1e-3, 0.004 + 0.01e-3}}}};
   for (const auto& [touch, dt] : {std::pair{pressed, 1.0}, {pressed, 1.0}, {next_to, 1e-3}}) {
-    support::setTouches(simulator, {touch});
-    simulator.step(dt);
-    const double found = carriedBy(simulator.read().ground_truth);
+    const double found = carriedBy(support::stepOnce(simulator, {touch}, dt).ground_truth);
     const reference::LayerContact twin = reference::layerContact(sensor, touch.placed(objects), skin.step(dt));
     skin.advance(dt, twin.strain);
     EXPECT_GT(twin.total_force, 1e-3);
@@ -304,78 +291,6 @@ TEST(ElasticLayerRelaxation, ZeroFractionEqualsNoRelaxation) {
   for (const double depth : {0.3e-3, 0.5e-3, 0.2e-3, -0.1e-3, 0.4e-3}) {
     const double expected = carriedBy(stays.press(depth, 0.1));
     EXPECT_NEAR(carriedBy(relaxes.press(depth, 0.1)), expected, 2e-3 * expected) << depth;
-  }
-}
-
-// Slid far, pose-driven and load-driven: the whole contact slips at the relaxed pressure.
-TEST(ElasticLayerRelaxation, FrictionUsesTheRelaxedPressure) {
-  constexpr double kMu = 0.6, kLoad = 2;
-  Sensor sensor = relaxingSensor({.margin = 4e-3, .iterations = 10, .tolerance = 1e-3}, {{0.5, 0.2}}, 2);
-  sensor.skin.friction = {1e11, kMu};
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.02})}});
-  Simulator simulator(model, {.num_instances = 2});
-  simulator.setLoads(std::vector<float>{kPoseDriven, static_cast<float>(kLoad)});
-  double first = 0;
-  for (int n = 0; n < 40; ++n) {
-    const Pose X_SO{.position = {20e-6 * n, 0, 0.0195}};
-    support::setTouches(simulator, {{{0}, {X_SO}}, {{0}, {X_SO}}});
-    simulator.step(0.01);
-    const auto wrench = simulator.read().ground_truth.contact_wrench;
-    if (n == 0) first = -wrench[2];
-    EXPECT_NEAR(wrench[8], -kLoad, kCarried * kLoad);
-    if (n > 0) {
-      EXPECT_NEAR(wrench[0] / (-kMu * wrench[2]), 1, 0.01) << n;
-      EXPECT_NEAR(wrench[6] / (-kMu * wrench[8]), 1, 0.01) << n;
-    }
-    if (n == 39) {
-      EXPECT_LT(-wrench[2], 0.7 * first);
-    }
-  }
-}
-
-// The same bits in a batch, alone, with other workgroups and after a reset.
-TEST(ElasticLayerRelaxation, IndependentOfBatchAndWorkgroup) {
-  constexpr int kInstances = 4, kFrames = 4;
-  Random random(16);
-  Sensor sensor = relaxingSensor({.margin = 2e-3, .iterations = 10, .tolerance = 1e-3}, {{0.3, 1e-3}, {0.4, 0.01}, {0.1, 1}}, 2);
-  sensor.skin.friction = {1e9, 0.6};
-  const std::vector<Object> objects = support::roundObjects(random);
-  std::vector<std::vector<Touch>> frames(kFrames);
-  for (int i = 0; i < kInstances; ++i) {
-    Touch touch = support::randomTouch(random, sensor, objects);
-    for (std::vector<Touch>& frame : frames) {
-      frame.push_back(touch);
-      for (double& coordinate : touch.X_SO[0].position) coordinate += random.uniform(-0.2e-3, 0.2e-3);
-    }
-  }
-  const std::vector<float> loads{kPoseDriven, 2, 0.5f, kPoseDriven};
-  const auto run = [&](Simulator& simulator, const std::vector<std::size_t>& instances) {
-    std::vector<std::vector<std::uint32_t>> bits(instances.size());
-    for (const std::vector<Touch>& frame : frames) {
-      std::vector<Touch> touches;
-      for (const std::size_t i : instances) touches.push_back(frame[i]);
-      support::setTouches(simulator, touches);
-      for (std::size_t i = 0; i < instances.size(); ++i) simulator.setLoad(static_cast<int>(i), loads[instances[i]]);
-      simulator.step(3e-3);
-      const FrameView view = simulator.read();
-      for (std::size_t i = 0; i < instances.size(); ++i) {
-        const auto now = support::bitsOf(view, static_cast<int>(i), static_cast<int>(instances.size()));
-        bits[i].insert(bits[i].end(), now.begin(), now.end());
-      }
-    }
-    return bits;
-  };
-  const std::vector<std::size_t> all{0, 1, 2, 3};
-  std::vector<std::vector<std::uint32_t>> expected;
-  for (const int workgroup : {8, 32}) {
-    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects, .contact_workgroup = workgroup});
-    Simulator together(model, {.num_instances = kInstances}), alone(model, {});
-    const auto bits = run(together, all);
-    if (expected.empty()) expected = bits;
-    EXPECT_EQ(bits, expected) << workgroup;
-    EXPECT_EQ(run(alone, {1})[0], expected[1]) << workgroup;
-    for (int i = 0; i < kInstances; ++i) together.reset(i, 0);
-    EXPECT_EQ(run(together, all), expected) << "after a reset";
   }
 }
 

@@ -27,8 +27,8 @@ Sensor layerSensor(const LayerOptions& skin, const GridOptions& grid = {});
 // Objects without a silhouette near the skin, where a sample could fall to either side: round objects, and a box on its edge or corner.
 std::vector<Object> roundObjects(Random& random);
 
-// A random object on the first patch or its border, up to 1.1 thicknesses deep.
-Touch randomTouch(Random& random, const Sensor& sensor, const std::vector<Object>& objects);
+// Random objects on the first patch or its border, up to 1.1 thicknesses deep.
+Touch randomTouch(Random& random, const Sensor& sensor, const std::vector<Object>& objects, int num_slots = 1);
 
 // Next pose of an object that rolls, slides, twists, lifts a little or rests: up to `size` (m) along each axis.
 Pose nextPose(Random& random, const Pose& X_SO, double size);

@@ -135,11 +135,7 @@ void runPath(Random& random, const PathKind& kind, const Sensor& sensor, Check&&
   std::vector<Touch> touches(kNumInstances);
   std::vector<float> loads;
   for (Touch& touch : touches) {
-    for (int slot = 0; slot < kind.num_slots; ++slot) {
-      const Touch one = support::randomTouch(random, sensor, objects);
-      touch.ids.push_back(one.ids[0]);
-      touch.X_SO.push_back(one.X_SO[0]);
-    }
+    touch = support::randomTouch(random, sensor, objects, kind.num_slots);
     loads.push_back(kind.with_loads ? static_cast<float>(random.uniform(0.05, 2)) : kPoseDriven);
   }
   const int workgroups[] = {0, 4, 8, 16, 32, 64};
@@ -147,9 +143,7 @@ void runPath(Random& random, const PathKind& kind, const Sensor& sensor, Check&&
   Simulator simulator(model, {.num_instances = kNumInstances, .num_slots = kind.num_slots});
   simulator.setLoads(loads);
   for (int step = 0; step < kNumSteps; ++step) {
-    support::setTouches(simulator, touches);
-    simulator.step(kDt);
-    const FrameView frame = simulator.read();
+    const FrameView frame = support::stepOnce(simulator, touches, kDt);
     support::expectWellFormed(frame, sensor, kNumInstances);
     for (std::size_t i = 0; i < kNumInstances; ++i) {
       SCOPED_TRACE("step " + std::to_string(step) + ", instance " + std::to_string(i));

@@ -39,18 +39,15 @@ struct LoadedInstance {
 // Simulates the batch and checks every instance: outcome, force, offset, and all stages at the offset of the device.
 void runLoads(const Sensor& sensor, const std::vector<Object>& objects, const std::vector<LoadedInstance>& instances, bool is_level) {
   const int num_instances = static_cast<int>(instances.size());
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
-  Simulator simulator(model, {.num_instances = num_instances, .num_slots = static_cast<int>(instances[0].touch.ids.size())});
+  Simulator simulator = support::makeSimulator(
+      sensor, objects, {.num_instances = num_instances, .num_slots = static_cast<int>(instances[0].touch.ids.size())});
   std::vector<Touch> touches;
   std::vector<float> loads;
   for (const LoadedInstance& instance : instances) {
     touches.push_back(instance.touch);
     loads.push_back(instance.load);
   }
-  support::setTouches(simulator, touches);
-  simulator.setLoads(loads);
-  simulator.step(kDt);
-  const FrameView frame = simulator.read();
+  const FrameView frame = support::stepOnce(simulator, touches, kDt, loads);
   support::expectWellFormed(frame, sensor, num_instances);
   for (int i = 0; i < num_instances; ++i) {
     std::string touching;
@@ -154,14 +151,12 @@ INSTANTIATE_TEST_SUITE_P(OnEveryDriver, LoadSeeds, support::seeds(4, 8));
 TEST(LoadOnEveryDriver, FlatPunchInClosedForm) {
   const Sensor sensor = support::gridSensor();
   const Object punch(Box{{4 * 3.4e-3, 6 * 3.4e-3, 0.01}});
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {punch}});
-  Simulator simulator(model, {});
+  Simulator simulator = support::makeSimulator(sensor, {punch});
   const double load = 9.81 * 0.5, depth = load / (1.73e8 * 24 * 3.4e-3 * 3.4e-3);
   for (const double z : {-0.03, 0.0, 0.005, 0.04}) {
     simulator.setObjects(std::vector<int>{0}, std::vector<Pose>{{.position = {0.1e-3, 0.1e-3, z}}});
     simulator.setLoads(std::vector<float>{static_cast<float>(load)});
-    simulator.step(kDt);
-    const FrameView frame = simulator.read();
+    const FrameView frame = support::stepOnce(simulator, kDt);
     EXPECT_EQ(frame.ground_truth.load_reached[0], 1);
     EXPECT_NEAR(z + frame.ground_truth.load_offset[0], 0.005 - depth, offsetSlack(sensor) + support::kMarginZ);
     EXPECT_NEAR(frame.ground_truth.total_force[0], load, kCarried * load);
@@ -171,12 +166,10 @@ TEST(LoadOnEveryDriver, FlatPunchInClosedForm) {
 TEST(LoadOnEveryDriver, SphereInClosedForm) {
   const double R = 10e-3, depth = 0.8e-3, load = std::numbers::pi * 1.73e8 * depth * depth * (R - depth / 3);
   const Sensor sensor = support::gridSensor({.num_rows = 16, .num_cols = 16, .pitch_x = 1e-3, .pitch_y = 1e-3, .samples_per_taxel = 8});
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{R})}});
-  Simulator simulator(model, {});
+  Simulator simulator = support::makeSimulator(sensor, {Object(Sphere{R})});
   simulator.setObjects(std::vector<int>{0}, std::vector<Pose>{{.position = {0.2e-3, -0.3e-3, 0.02}}});
   simulator.setLoad(0, static_cast<float>(load));
-  simulator.step(kDt);
-  const FrameView frame = simulator.read();
+  const FrameView frame = support::stepOnce(simulator, kDt);
   // The sampled force has an error of 0.15 % at most (worst offset, by an independent program), and dF/F is 2 d(depth)/depth.
   EXPECT_NEAR(0.02 + frame.ground_truth.load_offset[0], R - depth, 0.0015 / 2 * depth + offsetSlack(sensor));
   EXPECT_NEAR(frame.ground_truth.total_force[0], load, kCarried * load);
@@ -196,8 +189,7 @@ TEST(LoadOnEveryDriver, CurvedSkinCarriesTheLoadAlongItsDirection) {
     simulator.setObjects(i, std::vector<int>{i % 3}, std::vector<Pose>{X_SO});
     simulator.setLoad(i, loads[i / 3]);
   }
-  simulator.step(kDt);
-  const FrameView frame = simulator.read();
+  const FrameView frame = support::stepOnce(simulator, kDt);
   for (int i = 0; i < simulator.numInstances(); ++i) {
     SCOPED_TRACE(objects[i % 3].name + " at " + std::to_string(loads[i / 3]) + " N");
     EXPECT_EQ(frame.ground_truth.load_reached[i], 1);
@@ -233,13 +225,10 @@ TEST(LoadOnEveryDriver, MeshWithHoles) {
 TEST(LoadOnEveryDriver, ReportsLoadsOutOfReach) {
   const Sensor sensor = support::gridSensor();
   const std::vector<Object> objects{Object(Sphere{3e-3})};
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
-  Simulator simulator(model, {.num_instances = 4});
+  Simulator simulator = support::makeSimulator(sensor, objects, {.num_instances = 4});
   const Pose over{.position = {0, 0, 0.01}}, outside{.position = {0.2, 0, 0.01}};
-  support::setTouches(simulator, {{{0}, {over}}, {{0}, {outside}}, {{kNoObject}, {Pose{}}}, {{0}, {over}}});
-  simulator.setLoads(std::vector<float>{1000, 0.1f, 0.1f, 0.1f});
-  simulator.step(kDt);
-  const FrameView frame = simulator.read();
+  const FrameView frame = support::stepOnce(simulator, {{{0}, {over}}, {{0}, {outside}}, {{kNoObject}, {Pose{}}}, {{0}, {over}}}, kDt,
+                                            std::vector<float>{1000, 0.1f, 0.1f, 0.1f});
   support::expectWellFormed(frame, sensor, 4);
   EXPECT_EQ(frame.ground_truth.load_reached[0], 0);
   EXPECT_EQ(frame.ground_truth.load_reached[1], 0);
@@ -266,19 +255,14 @@ TEST(LoadOnEveryDriver, OneGridWithPsfLists) {
 TEST(LoadOnEveryDriver, PoseDrivenInstancesDoNotMove) {
   const std::vector<Object> objects{Object(Sphere{8e-3})};
   const Sensor sensor = support::gridSensor();
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
-  Simulator simulator(model, {.num_instances = 2});
+  Simulator simulator = support::makeSimulator(sensor, objects, {.num_instances = 2});
   const Pose X_SO{.position = {0, 0, 8e-3 - 0.5e-3}};
-  support::setTouches(simulator, {{{0}, {X_SO}}, {{0}, {X_SO}}});
-  simulator.setLoads(std::vector<float>{1.0f, kPoseDriven});
-  simulator.step(kDt);
-  FrameView frame = simulator.read();
+  FrameView frame = support::stepOnce(simulator, {{{0}, {X_SO}}, {{0}, {X_SO}}}, kDt, std::vector<float>{1.0f, kPoseDriven});
   EXPECT_NE(frame.ground_truth.load_offset[0], 0);
   EXPECT_EQ(frame.ground_truth.load_offset[1], 0);
   const std::vector<std::uint32_t> alone = support::bitsOf(frame, 1, 2);
   simulator.setLoad(0, kPoseDriven);
-  simulator.step(kDt);
-  frame = simulator.read();
+  frame = support::stepOnce(simulator, kDt);
   EXPECT_EQ(frame.ground_truth.load_offset[0], 0);
   EXPECT_EQ(support::bitsOf(frame, 0, 2), alone);
 }

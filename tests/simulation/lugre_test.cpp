@@ -25,18 +25,13 @@ Sensor sensorWith(const LuGre& law) {
 // A flat punch on whole samples of one or two patches slides along x by `ways` (m) in steps of `dt` (s) each. Returns shear over normal
 // force along x.
 std::vector<double> slide(const LuGre& law, const std::vector<double>& ways, const std::vector<double>& dt) {
-  const Model model(support::sharedDevice(), {.sensor = sensorWith(law), .objects = {Object(Box{{3.4e-3, 6.8e-3, 0.01}})}});
-  Simulator simulator(model, {});
+  Simulator simulator = support::makeSimulator(sensorWith(law), {Object(Box{{3.4e-3, 6.8e-3, 0.01}})});
   Touch touch{{0}, {{.position = {1.7e-3, 0, 5e-3 - kDepth}}}};
-  support::setTouches(simulator, {touch});
-  simulator.step(1e-3);
-  simulator.read();
+  support::stepOnce(simulator, {touch}, 1e-3);
   std::vector<double> shares;
   for (std::size_t n = 0; n < ways.size(); ++n) {
     touch.X_SO[0].position[0] += ways[n];
-    support::setTouches(simulator, {touch});
-    simulator.step(dt[n]);
-    const auto wrench = simulator.read().ground_truth.contact_wrench;
+    const auto wrench = support::stepOnce(simulator, {touch}, dt[n]).ground_truth.contact_wrench;
     EXPECT_NEAR(wrench[1], 0, kRounding);
     shares.push_back(wrench[0] / -wrench[2]);
   }
@@ -79,12 +74,9 @@ TEST(LuGreOnDevice, ConstantVelocityFromRestGivesAnExponential) {
 TEST(LuGreOnDevice, LandingBendsByTheTravelAfterTouch) {
   LuGre law = kLuGre;
   law.bristle_damping = 0;
-  const Model model(support::sharedDevice(), {.sensor = sensorWith(law), .objects = {Object(Box{{3.4e-3, 6.8e-3, 0.01}})}});
-  Simulator simulator(model, {});
+  Simulator simulator = support::makeSimulator(sensorWith(law), {Object(Box{{3.4e-3, 6.8e-3, 0.01}})});
   for (const double way : {0.0, 5e-6}) {
-    support::setTouches(simulator, {{{0}, {{.position = {1.7e-3 + way, 0, 5e-3 + (way > 0 ? -kDepth : kDepth)}}}}});
-    simulator.step(5e-3);
-    simulator.read();
+    support::stepOnce(simulator, {{{0}, {{.position = {1.7e-3 + way, 0, 5e-3 + (way > 0 ? -kDepth : kDepth)}}}}}, 5e-3);
   }
   const auto wrench = simulator.read().ground_truth.contact_wrench;
   const double g = 1 + 0.5 * std::exp(-1.0), share = -g * std::expm1(-1e5 * 2.5e-6 / g) + 0.4e-3;
@@ -101,47 +93,6 @@ TEST(LuGreOnEveryDriver, VelocityJumpKeepsCoulombsBound) {
   EXPECT_LT(std::abs(shares[3]), 0.02) << "what the bristles hold at rest";
 }
 
-TEST(LuGreOnDevice, ObjectAtRestDoesNotCreep) {
-  const Model model(support::sharedDevice(), {.sensor = sensorWith(kLuGre), .objects = {Object(Sphere{0.01})}});
-  Simulator simulator(model, {.num_instances = 2});
-  Pose X_SO{{4e-3, 17e-3, 0.0094}, axisAngle({1, 2, 3}, 1.1)};
-  simulator.setLoad(1, 2.0f);
-  const auto step = [&](double dt) {
-    support::setTouches(simulator, {{{0}, {X_SO}}, {{0}, {X_SO}}});
-    simulator.step(dt);
-    return support::bitsOf(simulator.read(), 1, 2);
-  };
-  step(1e-3);
-  X_SO.position[0] += 5e-6;
-  step(1e-3);
-  const auto bits = step(1e-3);
-  for (int n = 0; n < 20; ++n) ASSERT_EQ(step(std::pow(10.0, n - 10)), bits) << "step " << n;
-  EXPECT_GT(simulator.read().ground_truth.contact_wrench[6], 0.1f);
-}
-
-// In one tile and over several, where the search ends before the bristles move, once.
-TEST(LuGreOnEveryDriver, SlidingLoadFollowsTheStribeckCurve) {
-  for (const int num_patches : {1, 2}) {
-    Sensor sensor = sensorWith(kLuGre);
-    for (int p = 1; p < num_patches; ++p) {
-      sensor.patches.push_back(sensor.patches[0]);
-      sensor.patches.back().X_SP.position = {6 * 3.4e-3, 0, 0};
-    }
-    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.02})}});
-    Simulator simulator(model, {});
-    simulator.setLoad(0, 3.0f);
-    for (int n = 0; n < 12; ++n) {
-      support::setTouches(simulator, {{{0}, {{.position = {0.1e-3 * n, 0, 0.03}}}}});
-      simulator.step(1e-2);
-      const auto wrench = simulator.read().ground_truth.contact_wrench;
-      constexpr double kCarried = 1e-4;  // of the load, by the search
-      EXPECT_NEAR(wrench[2], -3, 3 * kCarried);
-      // After 0.1 mm bristles are within e^-10 of their steady bend; samples that the leading edge has just reached carry little.
-      EXPECT_NEAR(wrench[0], n == 0 ? 0 : 1.004 * 3, 2e-3 * 3) << n;
-    }
-  }
-}
-
 // |shear| <= mu_s normal force per taxel, and all values finite, with parameters six orders of magnitude off and steps from 1 ns to 1000 s.
 TEST(LuGreOnDevice, ShearStaysInsideTheConeAtAnyParameters) {
   // Products with four factors and sums of up to 64 samples and 81 neighbours, each rounded.
@@ -156,8 +107,7 @@ TEST(LuGreOnDevice, ShearStaysInsideTheConeAtAnyParameters) {
     sensor.skin.law = law;
     sensor.skin.thickness = 1e-3;
     const Object object = random.chance(0.5) ? support::randomSolid(random, 0.02) : support::randomMeshObject(random, 0.02);
-    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {object}});
-    Simulator simulator(model, {.num_instances = 2});
+    Simulator simulator = support::makeSimulator(sensor, {object}, {.num_instances = 2});
     simulator.setLoad(1, 0.5f);
     Touch touch{{0}, {support::randomContact(random, sensor, object)}};
     for (int step = 0; step < 6; ++step) {

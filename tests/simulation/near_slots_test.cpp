@@ -57,9 +57,7 @@ TEST(NearSlotsOnEveryDriver, ObjectsBehindTheSkinPressOnNothing) {
       if (num_slots == 2) {
         for (Touch& touch : touches) touch = {{kNoObject, touch.ids[0]}, {Pose{}, touch.X_SO[0]}};
       }
-      support::setTouches(simulator, touches);
-      simulator.step(kDt);
-      const FrameView frame = simulator.read();
+      const FrameView frame = support::stepOnce(simulator, touches, kDt);
       EXPECT_EQ(frame.ground_truth.total_force[0], 0);
       EXPECT_EQ(frame.ground_truth.over_penetration[0], 0);
       EXPECT_GT(frame.ground_truth.over_penetration[1], 0);
@@ -85,9 +83,9 @@ std::vector<std::vector<std::uint32_t>> slide(const Model& model, int id, bool w
     moved.position[0] += 2e-5 * step;
     const bool is_busy = (busy_steps >> step & 1u) != 0;
     const int other = with_far ? 1 - id : kNoObject;
-    support::setTouches(simulator, {{{0, 1, 1}, {near, is_busy ? moved : far, far}}, {{other, other, id}, {far, far, moved}}});
-    simulator.step(kDt);
-    bits.push_back(support::bitsOf(simulator.read(), 1, 2));
+    bits.push_back(support::bitsOf(
+        support::stepOnce(simulator, {{{0, 1, 1}, {near, is_busy ? moved : far, far}}, {{other, other, id}, {far, far, moved}}}, kDt), 1,
+        2));
   }
   return bits;
 }
@@ -132,9 +130,7 @@ void expectEqualWithOneSlot(const Sensor& sensor, const std::vector<Object>& all
   for (const std::vector<Touch>& touches : {one, two}) {
     const auto num_slots = static_cast<int>(touches[0].ids.size());
     Simulator simulator(model, {.num_instances = kNumInstances, .num_slots = num_slots, .outputs = {.penetration_depth = true}});
-    support::setTouches(simulator, touches);
-    simulator.step(kDt);
-    const FrameView frame = simulator.read();
+    const FrameView frame = support::stepOnce(simulator, touches, kDt);
     for (int i = 0; i < kNumInstances; ++i) {
       bits.push_back(support::bitsOf(frame, i, kNumInstances));
       num_touched += std::abs(frame.ground_truth.total_force[static_cast<std::size_t>(i)]) > 0 ? 1 : 0;

@@ -29,8 +29,7 @@ struct Pressed {
 };
 
 Pressed read(Simulator& simulator) {
-  simulator.step(kDt);
-  const FrameView frame = simulator.read();
+  const FrameView frame = support::stepOnce(simulator, kDt);
   const GroundTruthView& truth = frame.ground_truth;
   const double force = -truth.contact_wrench[2];
   return {force, {truth.contact_wrench[4] / force, -truth.contact_wrench[3] / force}, truth.edge_angle[0], truth.edge_confidence[0]};

@@ -1,4 +1,4 @@
-// A skin that relaxes on the device: closed forms, loads, friction and other laws.
+// A skin that relaxes on the device: closed forms, loads and other laws. With friction: shear_test.cpp.
 #include "simulation/comparison.h"
 #include "support/cases.h"
 #include "support/random_scene.h"
@@ -14,14 +14,12 @@ using support::RelaxationCases;
 using support::Touch;
 
 std::vector<Pressed> simulateByDevice(const Sensor& sensor, const Object& object, const std::vector<Press>& steps) {
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {object}});
-  Simulator simulator(model, {});
+  Simulator simulator = support::makeSimulator(sensor, {object});
   std::vector<Pressed> result;
   for (const Press& step : steps) {
     support::setTouches(simulator, {{{0}, {step.X_SO}}});
     simulator.setLoad(0, step.load ? static_cast<float>(*step.load) : kPoseDriven);
-    simulator.step(step.dt);
-    const GroundTruthView truth = simulator.read().ground_truth;
+    const GroundTruthView truth = support::stepOnce(simulator, step.dt).ground_truth;
     const auto forces = truth.tactile_normal_force;
     result.push_back(
         {truth.total_force[0], *std::min_element(forces.begin(), forces.end()), truth.load_offset[0], truth.load_reached[0] > 0});
@@ -31,41 +29,17 @@ std::vector<Pressed> simulateByDevice(const Sensor& sensor, const Object& object
 
 const RelaxationCases kDevice{simulateByDevice, support::kMarginZ, !support::runsAllCases()};
 
-TEST(RelaxationOnDevice, StepOfDepth) {
-  kDevice.stepOfDepth();
+class RelaxationClosedFormOnDevice : public ::testing::TestWithParam<support::RelaxationCase> {};
+
+TEST_P(RelaxationClosedFormOnDevice, Holds) {
+  (kDevice.*GetParam().check)();
 }
-TEST(RelaxationOnDevice, ExtremeTimes) {
-  kDevice.anyTimes();
-}
-TEST(RelaxationOnDevice, Ramp) {
-  kDevice.ramp();
-}
-TEST(RelaxationOnDevice, GrowingSphere) {
-  kDevice.growingSphere();
-}
-TEST(RelaxationOnDevice, DeadLoadOnAFlat) {
-  kDevice.deadLoadOnAFlat();
-}
+
+INSTANTIATE_TEST_SUITE_P(Cases, RelaxationClosedFormOnDevice, ::testing::ValuesIn(support::kRelaxationCases),
+                         [](const auto& row) { return row.param.name; });
+
 TEST(RelaxationOnEveryDriver, DeadLoadOnASphere) {
   kDevice.deadLoadOnASphere();
-}
-TEST(RelaxationOnDevice, FreeRecovery) {
-  kDevice.freeRecovery();
-}
-TEST(RelaxationOnDevice, RepeatedPress) {
-  kDevice.pressedAgain();
-}
-TEST(RelaxationOnDevice, LossOfACycle) {
-  kDevice.lossOfACycle();
-}
-TEST(RelaxationOnDevice, ClosedPathsDissipate) {
-  kDevice.cyclesLose();
-}
-TEST(RelaxationOnDevice, LayerUnderAPunch) {
-  kDevice.layerUnderAPunch();
-}
-TEST(RelaxationOnDevice, LayerUnderASphere) {
-  kDevice.layerUnderASphere();
 }
 
 // An object under a constant load sinks in, and the load stays carried; in one tile and over several, for a mesh and a solid.
@@ -154,47 +128,14 @@ TEST(RelaxationOnDevice, OtherLawsFollowTheRelaxedForce) {
   EXPECT_LT(pressed[1].force, 0.8 * pressed[0].force);
 }
 
-// Slid far, pose-driven and load-driven: the whole contact slips at the relaxed pressure.
-TEST(RelaxationOnDevice, FrictionUsesTheRelaxedPressure) {
-  constexpr double kMu = 0.6, kLoad = 2, kDepth = 0.5e-3;
-  for (const int num_patches : {1, 2}) {
-    Sensor sensor = support::gridSensor();
-    sensor.patches.resize(static_cast<std::size_t>(num_patches), sensor.patches[0]);
-    if (num_patches > 1) sensor.patches[1].X_SP.position = {6 * 3.4e-3, 0, 0};
-    sensor.skin.friction = {1e10, kMu};
-    sensor.skin.relaxation = {{0.5, 0.2}};
-    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Box{{0.01, 0.01, 0.01}})}});
-    Simulator simulator(model, {.num_instances = 2});
-    simulator.setLoads(std::vector<float>{kPoseDriven, static_cast<float>(kLoad)});
-    double first = 0;
-    for (int n = 0; n < 40; ++n) {
-      const Pose X_SO{.position = {20e-6 * n, 0, 0.005 - kDepth}};
-      support::setTouches(simulator, {{{0}, {X_SO}}, {{0}, {X_SO}}});
-      simulator.step(0.01);
-      const auto wrench = simulator.read().ground_truth.contact_wrench;
-      if (n == 0) first = -wrench[2];
-      EXPECT_NEAR(wrench[8], -kLoad, 0.001 * kLoad);
-      if (n > 0) {
-        EXPECT_NEAR(wrench[0] / (-kMu * wrench[2]), 1, 0.02) << n;
-        EXPECT_NEAR(wrench[6] / (-kMu * wrench[8]), 1, 0.02) << n;
-      }
-      if (n == 39) {
-        EXPECT_LT(-wrench[2], 0.7 * first);
-      }
-    }
-  }
-}
-
 // Contact points of another engine have their own forces: the skin does not relax.
 TEST(RelaxationOnDevice, ContactsDoNotRelax) {
   Sensor sensor = support::gridSensor();
   sensor.skin.relaxation = {{0.5, 0.1}};
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {}});
-  Simulator simulator(model, {.outputs = {.penetration_depth = false}, .max_contacts = 1});
+  Simulator simulator = support::makeSimulator(sensor, {}, {.outputs = {.penetration_depth = false}, .max_contacts = 1});
   simulator.setContacts(0, std::vector<ContactPoint>{{.position = {1e-3, 1e-3, 0}, .normal_force = 2}});
   for (int n = 0; n < 3; ++n) {
-    simulator.step(1);
-    EXPECT_NEAR(simulator.read().ground_truth.total_force[0], 2, 1e-5);
+    EXPECT_NEAR(support::stepOnce(simulator, 1).ground_truth.total_force[0], 2, 1e-5);
   }
 }
 

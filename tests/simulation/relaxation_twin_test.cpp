@@ -142,10 +142,7 @@ void runPath(const PathKind& kind, int seed) {
       loads[i] = randomLoad(random, sensor, placed, skin, dt);
       expected[i] = reference::findLoad(sensor, placed, loads[i], skin);
     }
-    support::setTouches(simulator, touches);
-    simulator.setLoads(loads);
-    simulator.step(dt);
-    const FrameView frame = simulator.read();
+    const FrameView frame = support::stepOnce(simulator, touches, dt, loads);
     support::expectWellFormed(frame, sensor, kNumInstances);
     const auto& forces = frame.ground_truth.tactile_normal_force;
     EXPECT_GE(*std::min_element(forces.begin(), forces.end()), 0);
@@ -198,13 +195,10 @@ TEST(RelaxationOnDevice, LargestSensorMatchesTheTwin) {
   sensor.skin.relaxation = {{0.5, 1e-3}};
   Tracked tracked(sensor);
   const std::vector<Object> objects{Object(Sphere{0.03})};
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
-  Simulator simulator(model, {});
+  Simulator simulator = support::makeSimulator(sensor, objects);
   for (const double depth : {1e-3, 0.8e-3, 1.2e-3}) {
     const Touch touch{{0}, {{.position = {1e-3, 2e-3, 0.03 - depth}}}};
-    support::setTouches(simulator, {touch});
-    simulator.step(1e-3);
-    support::expectMatches(simulator.read(), 0, sensor,
+    support::expectMatches(support::stepOnce(simulator, {touch}, 1e-3), 0, sensor,
                            support::frameEnvelope(sensor, touch.placed(objects), support::roundingFor(sensor, touch.placed(objects)), {},
                                                   1e-3, &tracked.bounds));
   }

@@ -29,14 +29,11 @@ struct Path {
 Path follow(Sensor sensor, const ContactLaw& law, const Object& object, const std::vector<Pose>& path, const std::vector<double>& dt,
             float load = std::numeric_limits<float>::quiet_NaN()) {
   sensor.skin.law = law;
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {object}});
-  Simulator simulator(model, {.num_instances = 1});
+  Simulator simulator = support::makeSimulator(sensor, {object});
   if (!std::isnan(load)) simulator.setLoad(0, load);
   Path result;
   for (std::size_t n = 0; n < path.size(); ++n) {
-    simulator.setObjects(std::vector<int>{0}, std::vector<Pose>{path[n]});
-    simulator.step(dt[n]);
-    const FrameView frame = simulator.read();
+    const FrameView frame = support::stepOnce(simulator, {{{0}, {path[n]}}}, dt[n]);
     support::expectWellFormed(frame, sensor, 1);
     result.forces.emplace_back(frame.ground_truth.tactile_normal_force.begin(), frame.ground_truth.tactile_normal_force.end());
     result.shears.emplace_back();
@@ -283,13 +280,11 @@ TEST(TaxelLawsUnderLoad, TaxelsCarryTheLoad) {
       SCOPED_TRACE("law " + std::to_string(law.index()) + ", " + std::to_string(sensor.patches.size()) + " patches");
       std::vector<Pose> X_SO{{.position = middle}, {.position = border}};
       if (sensor.patches.size() > 1) X_SO.push_back({.position = across});
-      const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.008})}});
-      Simulator simulator(model, {.num_instances = static_cast<int>(X_SO.size())});
+      Simulator simulator = support::makeSimulator(sensor, {Object(Sphere{0.008})}, {.num_instances = static_cast<int>(X_SO.size())});
       simulator.setLoads(std::vector<float>(X_SO.size(), kLoad));
       simulator.setObjects(std::vector<int>(X_SO.size(), 0), X_SO);
       for (int step = 0; step < 2; ++step) {
-        simulator.step(1e-3);
-        const auto forces = simulator.read().ground_truth.tactile_normal_force;
+        const auto forces = support::stepOnce(simulator, 1e-3).ground_truth.tactile_normal_force;
         const std::size_t num_taxels = forces.size() / X_SO.size();
         for (std::size_t i = 0; i < X_SO.size(); ++i) {
           const auto image = forces.subspan(i * num_taxels, num_taxels);
@@ -303,8 +298,7 @@ TEST(TaxelLawsUnderLoad, TaxelsCarryTheLoad) {
 TEST(TaxelLawsUnderLoad, ProximityRejectsALoad) {
   Sensor sensor = support::gridSensor();
   sensor.skin.law = Proximity{.sensitivity = 1e8};
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.01})}});
-  Simulator simulator(model, {.num_instances = 1});
+  Simulator simulator = support::makeSimulator(sensor, {Object(Sphere{0.01})});
   EXPECT_THROW(simulator.setLoad(0, 1), Error);
   simulator.setLoad(0, std::numeric_limits<float>::quiet_NaN());  // driven by pose
 }
@@ -344,12 +338,9 @@ TEST(TaxelLawsShearOnEveryDriver, FollowsTheMassAndSettlesToContactShear) {
 TEST(TaxelLawsShearOnEveryDriver, WorksWithoutShearOutput) {
   Sensor sensor = support::gridSensor();
   sensor.skin = {2e-3, MassSpringDamper{.normal_contact_stiffness = 1.73e8}, {1e8, 0.6}};
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.01})}});
-  Simulator simulator(model, {.outputs = {.tactile_shear_force = false}});
+  Simulator simulator = support::makeSimulator(sensor, {Object(Sphere{0.01})}, {.outputs = {.tactile_shear_force = false}});
   for (const double x : {0.0, 0.2e-3}) {
-    simulator.setObjects(std::vector<int>{0}, std::vector<Pose>{{.position = {x, 0, 0.0092}}});
-    simulator.step(1e-3);
-    const FrameView frame = simulator.read();
+    const FrameView frame = support::stepOnce(simulator, {{{0}, {{.position = {x, 0, 0.0092}}}}}, 1e-3);
     EXPECT_TRUE(frame.ground_truth.tactile_shear_force.empty());
     EXPECT_EQ(frame.ground_truth.contact_wrench[0] > 0.1f, x > 0);
   }

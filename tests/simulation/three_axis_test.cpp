@@ -2,7 +2,7 @@
 // forms.
 #include "reference/three_axis.h"
 #include "simulation/comparison.h"
-#include "simulation/input_error.h"
+#include "support/input_error.h"
 #include "support/random_scene.h"
 #include "support/test.h"
 
@@ -46,9 +46,7 @@ Touch touchAt(int step) {
 FrameView follow(Simulator& simulator, int num_instances, int begin, int end) {
   FrameView frame;
   for (int n = begin; n < end; ++n) {
-    support::setTouches(simulator, std::vector<Touch>(static_cast<std::size_t>(num_instances), touchAt(n)));
-    simulator.step(kDt);
-    frame = simulator.read();
+    frame = support::stepOnce(simulator, std::vector<Touch>(static_cast<std::size_t>(num_instances), touchAt(n)), kDt);
   }
   return frame;
 }
@@ -71,16 +69,13 @@ std::vector<std::int32_t> countsOf(const FrameView& frame, int instance, int num
 
 TEST(ThreeAxisOnDevice, MatchesTheTwin) {
   const Sensor sensor = frictionSensor(kAxes);
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects()});
-  Simulator simulator(model, {.seed = kSeed, .outputs = {.taxel_counts = true}});
+  Simulator simulator = support::makeSimulator(sensor, objects(), {.seed = kSeed, .outputs = {.taxel_counts = true}});
   const ReadoutVariation variation{.gain = 1.2f, .gain_spread = 0.3f};
   reference::ThreeAxis twin(sensor, {.seed = kSeed, .episode = kEpisode, .gain = variation.gain, .gain_spread = variation.gain_spread});
   simulator.reset(0, kEpisode, variation);
   int largest_shear = 0, largest_normal = 0;
   for (int n = 0; n < kNumSteps; ++n) {
-    support::setTouches(simulator, {touchAt(n)});
-    simulator.step(kDt);
-    const FrameView frame = simulator.read();
+    const FrameView frame = support::stepOnce(simulator, {touchAt(n)}, kDt);
     const std::vector<std::int32_t> counts = countsOf(frame, 0, numTaxels(sensor));
     const std::vector<std::int32_t> expected = twin.step(forcesOf(frame, 0, numTaxels(sensor)), static_cast<std::uint32_t>(n));
     for (std::size_t k = 0; k < counts.size(); ++k) {
@@ -99,8 +94,7 @@ TEST(ThreeAxisOnDevice, CrossTalkIsTheMatrixTimesTheForce) {
   axes.noise = axes.hysteresis_strength = {0, 0, 0};
   Sensor sensor = frictionSensor(axes);
   sensor.readout.taxel_gain.clear();
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects()});
-  Simulator simulator(model, {.outputs = {.taxel_counts = true}});
+  Simulator simulator = support::makeSimulator(sensor, objects(), {.outputs = {.taxel_counts = true}});
   const FrameView frame = follow(simulator, 1, 0, 3);
   const std::vector<Vector3> forces = forcesOf(frame, 0, numTaxels(sensor));
   for (std::size_t t = 0; t < forces.size(); ++t) {
@@ -115,8 +109,8 @@ TEST(ThreeAxisOnDevice, SaturatesOnBothSides) {
   ThreeAxisReadout axes = kAxes;
   axes.gain = {{{1e6, 0, 0}, {0, 1e6, 0}, {0, 0, -1e6}}};
   axes.saturation = 1234;
-  const Model model(support::sharedDevice(), {.sensor = frictionSensor(axes), .objects = objects()});
-  Simulator simulator(model, {.outputs = {.tactile_normal_force = false, .tactile_shear_force = false, .taxel_counts = true}});
+  Simulator simulator = support::makeSimulator(
+      frictionSensor(axes), objects(), {.outputs = {.tactile_normal_force = false, .tactile_shear_force = false, .taxel_counts = true}});
   const FrameView frame = follow(simulator, 1, 0, 3);
   EXPECT_EQ(*std::max_element(frame.taxel_counts.begin(), frame.taxel_counts.end()), 1234);
   EXPECT_EQ(*std::min_element(frame.taxel_counts.begin(), frame.taxel_counts.end()), -1234);
@@ -126,11 +120,10 @@ TEST(ThreeAxisOnDevice, SaturatesOnBothSides) {
 TEST(ThreeAxisOnDevice, NoiseHasItsLevelAndIsIndependent) {
   constexpr int kNumInstances = 100;
   const Sensor sensor = frictionSensor(kAxes);
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects()});
-  Simulator simulator(model, {.num_instances = kNumInstances, .seed = kSeed, .outputs = {.taxel_counts = true}});
+  Simulator simulator =
+      support::makeSimulator(sensor, objects(), {.num_instances = kNumInstances, .seed = kSeed, .outputs = {.taxel_counts = true}});
   for (int i = 0; i < kNumInstances; ++i) simulator.reset(i, static_cast<std::uint64_t>(i));
-  simulator.step(kDt);
-  const auto counts = simulator.read().taxel_counts;
+  const auto counts = support::stepOnce(simulator, kDt).taxel_counts;
   std::array<Vector3, 3> products{};
   for (std::size_t k = 0; k < counts.size(); k += 3) {
     for (std::size_t a = 0; a < 3; ++a) {
@@ -151,8 +144,7 @@ TEST(ThreeAxisOnDevice, NoiseHasItsLevelAndIsIndependent) {
 TEST(ThreeAxisOnDevice, CountsStayBetweenTheSensorsFrames) {
   Sensor sensor = frictionSensor(kAxes);
   sensor.frame_rate = 0.5 / kDt;
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects()});
-  Simulator simulator(model, {.seed = kSeed, .outputs = {.taxel_counts = true}});
+  Simulator simulator = support::makeSimulator(sensor, objects(), {.seed = kSeed, .outputs = {.taxel_counts = true}});
   std::vector<std::int32_t> last;
   for (int n = 0; n < kNumSteps; ++n) {
     const std::vector<std::int32_t> counts = countsOf(follow(simulator, 1, n, n + 1), 0, numTaxels(sensor));

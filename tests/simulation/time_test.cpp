@@ -19,8 +19,7 @@ TEST(DampingOnEveryDriver, MatchesTheTwinAcrossSteps) {
     // Rates are a few tenths of a millimetre per step: damping and elastic pressure are alike.
     sensor.skin.law = Winkler{stiffness, 1, stiffness * 0.01};
     const std::vector<Object> objects{support::randomMeshObject(random, 0.02)};
-    const Model model(support::sharedDevice(), {.sensor = sensor, .objects = objects});
-    Simulator simulator(model, {});
+    Simulator simulator = support::makeSimulator(sensor, objects);
     Touch touch{{0}, {support::randomContact(random, sensor, objects[0])}};
     std::optional<Bounded> previous;
     for (int step = 0; step < 6; ++step) {
@@ -44,8 +43,7 @@ TEST(DampingOnEveryDriver, MatchesTheTwinAcrossSteps) {
 TEST(DampingOnEveryDriver, ClosedFormOnAFlatPunch) {
   const double damping = 2e5, dt = 0.01, area = 3.4e-3 * 3.4e-3;
   const Sensor sensor = support::gridSensor({.num_rows = 1, .num_cols = 1, .law = {1e8, 1, damping}});
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(HalfSpace{})}});
-  Simulator simulator(model, {});
+  Simulator simulator = support::makeSimulator(sensor, {Object(HalfSpace{})});
   double before = 0;
   bool is_first = true;
   for (const double depth : {0.3e-3, 0.5e-3, 0.5e-3, 0.45e-3, 0.1e-3, 0.0, 0.2e-3}) {
@@ -64,13 +62,10 @@ TEST(DampingOnEveryDriver, ClosedFormOnAFlatPunch) {
 TEST(DampingOnEveryDriver, ForgetsTheDepthOfTaxelsThatTheObjectHasLeft) {
   constexpr double kStiffness = 1e8, kDamping = 2e5, kDt = 0.01, kDepth = 0.4e-3, kAway = 8e-3;
   const Sensor sensor = support::gridSensor({.law = {kStiffness, 1, kDamping}});
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Box{{3e-3, 3e-3, 3e-3}})}});
-  Simulator simulator(model, {});
+  Simulator simulator = support::makeSimulator(sensor, {Object(Box{{3e-3, 3e-3, 3e-3}})});
   std::vector<double> forces;
   for (const double x : {-kAway, kAway, -kAway, -kAway}) {
-    simulator.setObjects(std::vector<int>{0}, std::vector<Pose>{{.position = {x, 0, 1.5e-3 - kDepth}}});
-    simulator.step(kDt);
-    forces.push_back(simulator.read().ground_truth.total_force[0]);
+    forces.push_back(support::stepOnce(simulator, {{{0}, {{.position = {x, 0, 1.5e-3 - kDepth}}}}}, kDt).ground_truth.total_force[0]);
   }
   const double at_rest = forces[0];  // the first step after a reset has no rate
   ASSERT_GT(at_rest, 0);
@@ -87,16 +82,14 @@ TEST(FrameRateOnEveryDriver, HoldsMeasuredValuesBetweenFrames) {
   Sensor sensor = support::gridSensor();
   sensor.readout.curve = {1000};
   sensor.frame_rate = 100;
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.008})}});
-  Simulator simulator(model, {});
+  Simulator simulator = support::makeSimulator(sensor, {Object(Sphere{0.008})});
   std::vector<std::uint32_t> held;
   std::vector<int> updates;
   double last_truth = -1;
   for (int step = 0; step < kNumSteps; ++step) {
     const double depth = 0.2e-3 + 1e-5 * step;  // a new image at every step
-    simulator.setObjects(std::vector<int>{0}, std::vector<Pose>{{.position = {0, 0, 0.008 - depth}}});
-    simulator.step(1.0 / (sensor.frame_rate * kStepsPerFrame));
-    const FrameView frame = simulator.read();
+    const FrameView frame =
+        support::stepOnce(simulator, {{{0}, {{.position = {0, 0, 0.008 - depth}}}}}, 1.0 / (sensor.frame_rate * kStepsPerFrame));
     const std::vector<std::uint32_t> measured = support::measuredBitsOf(frame, 0, 1);
     if (measured != held) {
       updates.push_back(step);
@@ -133,20 +126,14 @@ TEST(FrameRateOnEveryDriver, ResetClearsTheHeldFrameOfOneInstance) {
   Sensor sensor = support::gridSensor();
   sensor.readout.curve = {1000};
   sensor.frame_rate = 10;
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(Sphere{0.008})}});
-  Simulator simulator(model, {.num_instances = 2});
+  Simulator simulator = support::makeSimulator(sensor, {Object(Sphere{0.008})}, {.num_instances = 2});
   const auto at = [](double depth) { return Touch{{0}, {{.position = {0, 0, 0.008 - depth}}}}; };
-  support::setTouches(simulator, {at(0.3e-3), at(0.3e-3)});
-  simulator.step(1e-3);
-  const auto first = support::measuredBitsOf(simulator.read(), 0, 2);
-  support::setTouches(simulator, {at(0.6e-3), at(0.6e-3)});
-  simulator.step(1e-3);
-  FrameView frame = simulator.read();
+  const auto first = support::measuredBitsOf(support::stepOnce(simulator, {at(0.3e-3), at(0.3e-3)}, 1e-3), 0, 2);
+  FrameView frame = support::stepOnce(simulator, {at(0.6e-3), at(0.6e-3)}, 1e-3);
   EXPECT_EQ(support::measuredBitsOf(frame, 0, 2), first);
   EXPECT_EQ(support::measuredBitsOf(frame, 1, 2), first);
   simulator.reset(0, 3);
-  simulator.step(1e-3);
-  frame = simulator.read();
+  frame = support::stepOnce(simulator, 1e-3);
   EXPECT_NE(support::measuredBitsOf(frame, 0, 2), first);
   EXPECT_EQ(support::measuredBitsOf(frame, 1, 2), first);
 }
@@ -154,19 +141,16 @@ TEST(FrameRateOnEveryDriver, ResetClearsTheHeldFrameOfOneInstance) {
 TEST(VariationOnEveryDriver, GainScalesTheReadoutUntilTheNextReset) {
   Sensor sensor = support::gridSensor({.num_rows = 1, .num_cols = 1});
   sensor.readout.curve = {1000};
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(HalfSpace{})}});
-  Simulator simulator(model, {});
+  Simulator simulator = support::makeSimulator(sensor, {Object(HalfSpace{})});
   const double depth = 0.5e-3, force = 1.73e8 * depth * 3.4e-3 * 3.4e-3;
   support::setTouches(simulator, {{{0}, {{.position = {0, 0, -depth}}}}});
   const double slack = 1 + 1000 * 1.73e8 * support::kMarginZ * 3.4e-3 * 3.4e-3;  // a count, and the depth's rounding
   for (const float gain : {1.0f, 0.5f, 1.7f}) {
     simulator.reset(0, 1, {.gain = gain});
-    simulator.step(1e-3);
-    EXPECT_NEAR(simulator.read().tactile_image[0], 1000 * force * gain, slack * gain);
+    EXPECT_NEAR(support::stepOnce(simulator, 1e-3).tactile_image[0], 1000 * force * gain, slack * gain);
   }
   simulator.reset(0, 1);
-  simulator.step(1e-3);
-  EXPECT_NEAR(simulator.read().tactile_image[0], 1000 * force, slack);
+  EXPECT_NEAR(support::stepOnce(simulator, 1e-3).tactile_image[0], 1000 * force, slack);
 }
 
 TEST(VariationOnEveryDriver, NoiseAndGainSpreadHaveTheirStandardDeviations) {
@@ -176,13 +160,11 @@ TEST(VariationOnEveryDriver, NoiseAndGainSpreadHaveTheirStandardDeviations) {
   sensor.readout.saturation = 65535;
   sensor.readout.curve = {1e5};
   sensor.readout.noise = 30;
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(HalfSpace{})}});
-  Simulator simulator(model, {.num_instances = 2, .seed = 9});
+  Simulator simulator = support::makeSimulator(sensor, {Object(HalfSpace{})}, {.num_instances = 2, .seed = 9});
   support::setTouches(simulator, {{{0}, {{.position = {0, 0, -1e-3}}}}, {{0}, {{.position = {0, 0, -1e-3}}}}});  // 0.173 N, 17300 counts
   simulator.reset(0, 0, {.noise = 40});
   simulator.reset(1, 1, {.gain_spread = 0.1f});
-  simulator.step(1e-3);
-  const FrameView frame = simulator.read();
+  const FrameView frame = support::stepOnce(simulator, 1e-3);
   double mean[2] = {0, 0}, variance[2] = {0, 0};
   const auto valueOf = [&](int i, int t) {
     const double counts = frame.tactile_image[i * kNumTaxels + t];
@@ -207,13 +189,9 @@ TEST(VariationOnEveryDriver, NoiseAndGainSpreadHaveTheirStandardDeviations) {
 TEST(VariationOnEveryDriver, NoiseChangesEveryFrameAndIsOptional) {
   Sensor sensor = support::gridSensor();
   sensor.readout.curve = {1000};
-  const Model model(support::sharedDevice(), {.sensor = sensor, .objects = {Object(HalfSpace{})}});
-  Simulator simulator(model, {});
+  Simulator simulator = support::makeSimulator(sensor, {Object(HalfSpace{})});
   support::setTouches(simulator, {{{0}, {{.position = {0, 0, -1e-3}}}}});
-  const auto next = [&] {
-    simulator.step(1e-3);
-    return support::measuredBitsOf(simulator.read(), 0, 1);
-  };
+  const auto next = [&] { return support::measuredBitsOf(support::stepOnce(simulator, 1e-3), 0, 1); };
   EXPECT_EQ(next(), next());
   simulator.reset(0, 4, {.noise = 20});
   const auto first = next(), second = next();

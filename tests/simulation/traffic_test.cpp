@@ -34,8 +34,7 @@ class Traffic : public ::testing::Test {
   // Of one step.
   static DeviceTraffic step(Simulator& simulator) {
     const DeviceTraffic before = simulator.traffic();
-    simulator.step(kDt);
-    simulator.read();
+    support::stepOnce(simulator, kDt);
     return since(simulator, before);
   }
   static DeviceTraffic since(const Simulator& simulator, const DeviceTraffic& before) {
@@ -46,8 +45,7 @@ class Traffic : public ::testing::Test {
 };
 
 TEST_F(Traffic, StartsAtZeroAndGrowsByTheSameInEveryStep) {
-  const Model model(support::sharedDevice(), {.sensor = sensor(), .objects = spheres()});
-  Simulator simulator(model, options());
+  Simulator simulator = support::makeSimulator(sensor(), spheres(), options());
   EXPECT_EQ(simulator.traffic(), DeviceTraffic{});
   place(simulator, 1);
   EXPECT_EQ(simulator.traffic(), DeviceTraffic{});  // sent by the step

@@ -41,4 +41,25 @@ struct FrictionCases {
   void elasticLayerSticksAndSlips() const;
 };
 
+// A case by name, for INSTANTIATE_TEST_SUITE_P.
+struct FrictionCase {
+  const char* name;
+  void (FrictionCases::*check)() const;
+};
+
+inline constexpr FrictionCase kFrictionCases[] = {
+    {"DiscTwist", &FrictionCases::discTwist},
+    {"SphereTwist", &FrictionCases::sphereTwist},
+    {"PartialSlipOfAFlat", &FrictionCases::partialSlipOfAFlat},
+    {"PartialSlipOfASphere", &FrictionCases::partialSlipOfASphere},
+    {"PartialSlipOfACylinder", &FrictionCases::partialSlipOfACylinder},
+    {"LoopAreas", &FrictionCases::loopAreas},
+    {"SlantedPress", &FrictionCases::slantedPress},
+    {"RollingCylinder", &FrictionCases::rollingCylinder},
+    {"RollingSphere", &FrictionCases::rollingSphere},
+    {"SlideStopSlideBack", &FrictionCases::slideStopSlideBack},
+    {"SlipTurnsTowardsTheMotion", &FrictionCases::slipTurnsTowardsTheMotion},
+    {"ElasticLayerSticksAndSlips", &FrictionCases::elasticLayerSticksAndSlips},
+};
+
 }  // namespace taxelsim::support

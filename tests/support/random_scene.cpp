@@ -46,6 +46,13 @@ Sensor gridSensor(const GridOptions& options) {
   return sensor;
 }
 
+void addPatch(Sensor& sensor, const Pose& X_SP) {
+  GridPatch patch = sensor.patches[0];
+  patch.name = "patch " + std::to_string(sensor.patches.size());
+  patch.X_SP = X_SP;
+  sensor.patches.push_back(patch);
+}
+
 Readout paperReadout() {
   Readout readout;
   readout.curve = {3840 / 1.6};

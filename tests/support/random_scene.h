@@ -36,6 +36,9 @@ struct GridOptions {
 };
 Sensor gridSensor(const GridOptions& options = {});
 
+// Adds a copy of the first patch.
+void addPatch(Sensor& sensor, const Pose& X_SP);
+
 // The readout of the paper: 12 bit, 0.2 N + 4.1667e-4 N per count.
 Readout paperReadout();
 

@@ -51,4 +51,25 @@ struct RelaxationCases {
   void layerUnderASphere() const;
 };
 
+// A case by name, for INSTANTIATE_TEST_SUITE_P.
+struct RelaxationCase {
+  const char* name;
+  void (RelaxationCases::*check)() const;
+};
+
+inline constexpr RelaxationCase kRelaxationCases[] = {
+    {"StepOfDepth", &RelaxationCases::stepOfDepth},
+    {"AnyTimes", &RelaxationCases::anyTimes},
+    {"Ramp", &RelaxationCases::ramp},
+    {"GrowingSphere", &RelaxationCases::growingSphere},
+    {"DeadLoadOnAFlat", &RelaxationCases::deadLoadOnAFlat},
+    {"DeadLoadOnASphere", &RelaxationCases::deadLoadOnASphere},
+    {"FreeRecovery", &RelaxationCases::freeRecovery},
+    {"PressedAgain", &RelaxationCases::pressedAgain},
+    {"LossOfACycle", &RelaxationCases::lossOfACycle},
+    {"CyclesLose", &RelaxationCases::cyclesLose},
+    {"LayerUnderAPunch", &RelaxationCases::layerUnderAPunch},
+    {"LayerUnderASphere", &RelaxationCases::layerUnderASphere},
+};
+
 }  // namespace taxelsim::support
