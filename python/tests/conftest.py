@@ -1,7 +1,5 @@
 """Fixtures: one device, and models of a small sensor."""
 
-from __future__ import annotations
-
 import logging
 import math
 import signal

@@ -1,7 +1,5 @@
 """Contact points of an engine in the frames of the sensors."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The programs in the documents run."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

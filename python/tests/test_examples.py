@@ -1,7 +1,5 @@
 """The programs in examples/ run, and their results are what they claim. The training example is only compiled."""
 
-from __future__ import annotations
-
 import importlib.util
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """What a new user meets first: one test per trap that somebody fell into, each in the words of that user."""
 
-from __future__ import annotations
-
 import hashlib
 import inspect
 import itertools

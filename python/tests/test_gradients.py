@@ -1,7 +1,5 @@
 """Gradients by pose and gains against central differences of the simulated forces."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Scenes of kind grasp from Python: sensors by name, a data set with columns grouped by sensor."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

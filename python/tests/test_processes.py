@@ -1,7 +1,5 @@
 """Threads, memory, child processes, the command line."""
 
-from __future__ import annotations
-
 import gc
 import json
 import os

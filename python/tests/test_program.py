@@ -1,7 +1,5 @@
 """The command line: which subcommands run in Python."""
 
-from __future__ import annotations
-
 import importlib
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """Scenes of kind contact_points: recorded contacts of an engine as the source of a data set."""
 
-from __future__ import annotations
-
 import hashlib
 import subprocess
 from collections.abc import Callable

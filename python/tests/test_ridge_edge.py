@@ -1,7 +1,5 @@
 """The feature ridge_edge_angle against a fit in NumPy, and on arrays whose gains differ."""
 
-from __future__ import annotations
-
 import numpy as np
 
 import taxelsim

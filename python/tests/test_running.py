@@ -1,7 +1,5 @@
 """How subcommands end."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

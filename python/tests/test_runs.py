@@ -1,7 +1,5 @@
 """generate() and evaluate()."""
 
-from __future__ import annotations
-
 import os
 import signal
 import threading

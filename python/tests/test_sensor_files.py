@@ -1,7 +1,5 @@
 """scripts/make_sensors.py writes the sensor files that are committed."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import sys

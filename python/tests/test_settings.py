@@ -1,7 +1,5 @@
 """Sensors, objects and options: made from keywords, immutable, compared by value, pickled."""
 
-from __future__ import annotations
-
 import copy
 import pickle
 

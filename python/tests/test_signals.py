@@ -1,7 +1,5 @@
 """Signals that come while a mesh is loaded. Seconds are those of the processor: a busy machine changes nothing."""
 
-from __future__ import annotations
-
 import signal
 import time
 

@@ -1,7 +1,5 @@
 """Simulator: inputs, outputs and refused arguments."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Parameters of contact laws from a material or from one measurement, as the command line prints them."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

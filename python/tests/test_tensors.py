@@ -1,7 +1,5 @@
 """Every array of a frame in libraries of tensors. PyTorch and JAX are skipped if they are missing; the campaign `learn` installs them."""
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Callable, Iterator
 from typing import Any

@@ -1,7 +1,5 @@
 """Three-axis taxels: the shipped sensors, frames, and columns of a data set."""
 
-from __future__ import annotations
-
 import h5py
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """TouchClassify: labels, reward, independence of the batch size, and classification of the object from touches."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Videos: pictures written as MP4 and GIF, read back; and `taxelsim render` of an episode."""
 
-from __future__ import annotations
-
 import io
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Arrays over the memory of a simulator."""
 
-from __future__ import annotations
-
 import gc
 import pickle
 

@@ -1,7 +1,5 @@
 """The check of wheels: scripts/wheel_licences.py."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import zipfile

@@ -1,7 +1,5 @@
 """Fixtures: small data sets, one uncompressed and one compressed with chunks of a few frames."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

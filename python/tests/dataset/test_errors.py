@@ -1,7 +1,5 @@
 """Damaged and missing files, and wrong arguments: one line that names the file."""
 
-from __future__ import annotations
-
 import re
 import shutil
 

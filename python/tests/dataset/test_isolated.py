@@ -1,7 +1,5 @@
 """Data sets from strangers: HDF5 reads them in child processes."""
 
-from __future__ import annotations
-
 import os
 import pickle
 import shutil

@@ -1,7 +1,5 @@
 """Columns, episodes and frames of taxelsim.Dataset, compared with what h5py reads through dataset.h5."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -3,8 +3,6 @@
 data/pasternak was written by version 0.3.0 from data/pasternak_scene.yaml: 3 episodes of 3 frames.
 """
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

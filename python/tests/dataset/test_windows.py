@@ -1,7 +1,5 @@
 """Windows, and data sets in other processes and threads."""
 
-from __future__ import annotations
-
 import multiprocessing
 import operator
 import pickle

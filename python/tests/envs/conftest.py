@@ -1,7 +1,5 @@
 """Fixtures: a scene of short episodes, and vector environments of it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

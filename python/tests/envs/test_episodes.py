@@ -1,7 +1,5 @@
 """Seeds, resets and automatic resets of vector environments."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from gymnasium.error import ResetNeeded

@@ -1,7 +1,5 @@
 """What Gymnasium, threads, processes and training libraries expect."""
 
-from __future__ import annotations
-
 import os
 import pickle
 import threading

@@ -1,7 +1,5 @@
 """Joint velocities as actions of environments and policies."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Observations, actions, rewards and pictures of vector environments."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from gymnasium import spaces

@@ -1,7 +1,5 @@
 """The observation `taxel_counts`: environments and policies of a sensor of three-axis taxels."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from gymnasium import spaces

@@ -1,7 +1,5 @@
 """The adapters, with the training libraries themselves. Skipped where these are not installed; the campaign `learn` installs them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

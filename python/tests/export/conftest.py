@@ -1,7 +1,5 @@
 """Fixtures: a small data set with a task, and exports of it."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Callable
 from pathlib import Path

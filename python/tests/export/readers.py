@@ -3,8 +3,6 @@
 Not collected by default: needs python/requirements/readers.txt and the exports that scripts/campaign makes in build/exports.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

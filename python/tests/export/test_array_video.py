@@ -1,7 +1,5 @@
 """The tactile image as a video of a LeRobot data set."""
 
-from __future__ import annotations
-
 import json
 import sys
 

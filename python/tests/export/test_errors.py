@@ -1,7 +1,5 @@
 """Wrong arguments, damaged data sets and occupied outputs: one line, and no output."""
 
-from __future__ import annotations
-
 import fcntl
 import sys
 

@@ -1,7 +1,5 @@
 """Names and shapes of columns: several sensors, taxels without a grid, robots with joints."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

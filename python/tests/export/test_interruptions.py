@@ -1,7 +1,5 @@
 """Full disks and kills: an error in one line, nothing that looks complete, and the same bytes when the export is run again."""
 
-from __future__ import annotations
-
 import resource
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """LeRobotDataset: the layout that its reader expects, with the numbers of the data set."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,7 +1,5 @@
 """MCAP: messages that a reader of ROS 2 decodes from the definitions in the file."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

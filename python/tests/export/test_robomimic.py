@@ -1,7 +1,5 @@
 """robomimic: groups, attributes and masks that its SequenceDataset reads."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

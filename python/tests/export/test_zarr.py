@@ -1,7 +1,5 @@
 """Zarr: the layout of the replay buffers of Diffusion Policy, in both versions of the format."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

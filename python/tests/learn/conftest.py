@@ -1,7 +1,5 @@
 """Makes the package `learn` of bench/python importable."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Networks and demonstrations of the benchmark. Needs torch; the campaign `learn` installs it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

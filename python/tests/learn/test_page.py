@@ -1,7 +1,5 @@
 """Tables and sentences of docs/benchmark.md."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """MuJoCo models of the tests."""
 
-from __future__ import annotations
-
 import mujoco
 import numpy as np
 

@@ -1,7 +1,5 @@
 """Two-way coupling: weight at rest, energy after release, several sensors on one body, refused models."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import mujoco

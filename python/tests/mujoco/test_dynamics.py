@@ -1,7 +1,5 @@
 """Tasks with dynamics: episodes, batches, autoreset modes, what scripts gain from touch, refused input."""
 
-from __future__ import annotations
-
 import gymnasium
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """The scenes that bench/python/mujoco_forces.py compares with MuJoCo: objects at rest under their weight."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Frames from the state of MuJoCo's simulations: stages, batches, slots, shear, refused input."""
 
-from __future__ import annotations
-
 import importlib
 import sys
 

@@ -1,7 +1,5 @@
 """MuJoCo's contacts as contact points."""
 
-from __future__ import annotations
-
 import mujoco
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Shapes of geoms: every kind presses as the same shape without MuJoCo."""
 
-from __future__ import annotations
-
 import mujoco
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """ONNX files of small networks."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

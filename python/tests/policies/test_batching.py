@@ -1,7 +1,5 @@
 """Whether rows depend on the batch."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """`taxelsim evaluate SCENE --policy FILE`."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Evaluations in parts: evaluate_part(), merge_evaluations() and the command line."""
 
-from __future__ import annotations
-
 import json
 import os
 import pickle

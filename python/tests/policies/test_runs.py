@@ -1,7 +1,5 @@
 """Policies in evaluate() and generate()."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

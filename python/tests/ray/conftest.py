@@ -1,7 +1,5 @@
 """A cluster of three nodes on this machine, on loopback, and a local S3 server."""
 
-from __future__ import annotations
-
 import logging
 import os
 import urllib.request

@@ -3,8 +3,6 @@
 TAXELSIM_RAY_KILLS: number of kills, default 500. One in ten kills a node, the others a process that runs a task.
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import random

@@ -1,7 +1,5 @@
 """taxelsim.ray.evaluate() on a cluster that loses nodes."""
 
-from __future__ import annotations
-
 import os
 import pickle
 import signal

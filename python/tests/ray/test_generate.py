@@ -1,7 +1,5 @@
 """taxelsim.ray.generate() on a cluster that loses nodes, and its storage."""
 
-from __future__ import annotations
-
 import os
 import signal
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What listens: Ray's own services on loopback, and no dashboard."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The storage without a cluster: retries, verified uploads, names, the view, and tasks of a worker."""
 
-from __future__ import annotations
-
 import hashlib
 import shutil
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Recordings as measurements: tables with the numbers of the recording, which the program reads."""
 
-from __future__ import annotations
-
 import csv
 import importlib
 import json

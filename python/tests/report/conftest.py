@@ -1,7 +1,5 @@
 """Fixtures: a data set with gaps, loads out of reach and names that HTML must escape."""
 
-from __future__ import annotations
-
 from html.parser import HTMLParser
 from pathlib import Path
 

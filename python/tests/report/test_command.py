@@ -1,7 +1,5 @@
 """`taxelsim report`: files, the card, and refusals."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Numbers of the page against NumPy on the columns, as h5py reads them."""
 
-from __future__ import annotations
-
 import base64
 
 import h5py

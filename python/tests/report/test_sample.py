@@ -1,7 +1,5 @@
 """Ranges of frames of a sample."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

@@ -4,8 +4,6 @@ Not collected by default: needs the packages chromium and chromium-driver, and m
 TAXELSIM_CHROMEDRIVER and TAXELSIM_CHROMIUM name the programs; scripts/campaign view runs this.
 """
 
-from __future__ import annotations
-
 import base64
 import io
 import json

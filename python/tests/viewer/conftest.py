@@ -1,7 +1,5 @@
 """Fixtures: a data set with everything that the viewer shows, and a reader of recordings."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Warnings about where an object is."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

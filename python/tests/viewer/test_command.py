@@ -1,7 +1,5 @@
 """`taxelsim view`: files, warnings and refusals."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """A recording as a notebook shows it: what a kernel without a display sends to the page."""
 
-from __future__ import annotations
-
 import sys
 from collections import defaultdict
 

@@ -1,7 +1,5 @@
 """Columns of a recording against those of its data set."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

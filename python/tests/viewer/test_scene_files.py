@@ -1,7 +1,5 @@
 """Paths in the manifest of a data set: no file outside of the given folders is opened."""
 
-from __future__ import annotations
-
 import hashlib
 import re
 from pathlib import Path

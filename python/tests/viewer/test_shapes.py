@@ -1,7 +1,5 @@
 """Triangles of solids and taxels."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
