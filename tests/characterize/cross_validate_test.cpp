@@ -6,6 +6,7 @@
 #include "characterize/stamp_baselines.h"
 #include "characterize/stamp_bench.h"
 #include "figures/cross_validation_text.h"
+#include "support/input_error.h"
 #include "support/test.h"
 #include "taxelsim/error.h"
 
@@ -224,12 +225,8 @@ TEST(CrossValidate, SaysWhatCannotBeLeftOut) {
   const Sensor truth = baseSensor();
   EXPECT_EQ(crossValidate(measured(truth, {recorded(truth, {.load = 2}), recorded(truth, {.load = 2})})).front().remark,
             "this set cannot be cross-validated by stamps: all have one load, two are needed");
-  try {
-    crossValidate(std::vector<Measurement>{});
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("needs measurements of kind stamp_images or force_curve"));
-  }
+  EXPECT_THAT(support::inputError([&] { crossValidate(std::vector<Measurement>{}); }),
+              HasSubstr("needs measurements of kind stamp_images or force_curve"));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "characterize/footprint.h"
 #include "reference/psf.h"
 #include "reference/readout.h"
+#include "support/input_error.h"
 #include "support/test.h"
 #include "taxelsim/characterize.h"
 #include "taxelsim/error.h"
@@ -103,12 +104,7 @@ Characterization fitted(const Sensor& truth, PointImages points) {
 }
 
 std::string refusal(const Sensor& truth, PointImages points) {
-  try {
-    fitted(truth, std::move(points));
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return support::refusal([&] { fitted(truth, std::move(points)); });
 }
 
 TEST(Footprint, OverlapsAddUpToTheSection) {

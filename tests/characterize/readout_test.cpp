@@ -1,6 +1,7 @@
 // Readouts fitted to force curves: trigger, gains, saturation, noise, hysteresis, drift.
 #include "characterize/estimates.h"
 #include "characterize/readout_curves.h"
+#include "support/input_error.h"
 #include "support/test.h"
 #include "taxelsim/characterize.h"
 #include "taxelsim/error.h"
@@ -218,15 +219,7 @@ TEST(ReadoutFit, DoesNotDetermineHysteresisWithoutUnloading) {
 }
 
 TEST(ReadoutFit, RejectsUninformativeMeasurements) {
-  const auto refused = [](ForceCurve curve) -> std::string {
-    try {
-      characterized(std::move(curve));
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), ErrorKind::kInput);
-      return error.what();
-    }
-    return "accepted";
-  };
+  const auto refused = [](ForceCurve curve) -> std::string { return support::refusal([&] { characterized(std::move(curve)); }); };
   std::mt19937 random(8);
   const std::vector<TrueTaxel> dead(4, TrueTaxel{0, 0});
   EXPECT_THAT(refused(pressed(dead, random, 0)),
@@ -237,12 +230,8 @@ TEST(ReadoutFit, RejectsUninformativeMeasurements) {
   EXPECT_THAT(refused(clipped), HasSubstr("no taxel has 4 rows"));
   ForceCurve bends = bent(random, 3), pieces = piecewise(random, 3);
   const std::vector<Measurement> both{measurementOf("bends", benchSensor(2, 2), bends), measurementOf("pieces", benchSensor(2, 2), pieces)};
-  try {
-    characterize(both);
-    FAIL() << "accepted";
-  } catch (const Error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("pieces.yaml: curve_segments and curve_degree or divider are given"));
-  }
+  EXPECT_THAT(support::inputError([&] { characterize(both); }),
+              HasSubstr("pieces.yaml: curve_segments and curve_degree or divider are given"));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Parameters fitted to recordings under a flat stamp, which the reference's stages simulate.
 #include "characterize/estimates.h"
 #include "characterize/stamp_bench.h"
+#include "support/input_error.h"
 #include "support/test.h"
 #include "taxelsim/error.h"
 
@@ -12,12 +13,7 @@ using support::holds;
 using ::testing::HasSubstr;
 
 std::string refusal(const Sensor& truth, const StampImages& stamp) {
-  try {
-    fitted(truth, {stamp});
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return support::refusal([&] { fitted(truth, {stamp}); });
 }
 
 TEST(StampImages, FindsAllParametersWithRightIntervals) {

@@ -1,6 +1,7 @@
 // Stiffness fitted to closed forms of indenters on an elastic foundation.
 #include "bench_session.h"
 #include "characterize/estimates.h"
+#include "support/input_error.h"
 #include "support/test.h"
 #include "taxelsim/characterize.h"
 #include "taxelsim/error.h"
@@ -99,14 +100,10 @@ TEST(StiffnessFit, AcceptsDecreasingDepthsAndOutliers) {
 
 TEST(StiffnessFit, RejectsUninformativeMeasurements) {
   const auto refused = [](ForceDepth data, Sensor sensor = benchSensor(1, 1)) -> std::string {
-    try {
+    return support::refusal([&] {
       const std::vector<Measurement> measurements{measurementOf("press", std::move(sensor), std::move(data))};
       characterize(measurements);
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), ErrorKind::kInput);
-      return error.what();
-    }
-    return "accepted";
+    });
   };
   std::mt19937 random(3);
   const Indenter pin = kCases[0].indenter;

@@ -3,6 +3,7 @@
 #include "characterize/bench_session.h"
 #include "characterize/estimates.h"
 #include "characterize/stamp_bench.h"
+#include "support/input_error.h"
 #include "support/test.h"
 #include "taxelsim/cross_validate.h"
 #include "taxelsim/error.h"
@@ -126,12 +127,7 @@ TEST(Temperature, SensorAtATemperature) {
 TEST(Temperature, RefusesHalfOfTheMeasurementsAndFindsNothingAtOne) {
   std::vector<Measurement> some = curves(4, kGain, kTrigger);
   some[1].temperature.reset();
-  try {
-    characterize(some);
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("curve1.yaml: temperature_degC is missing, curve2.yaml has it"));
-  }
+  EXPECT_THAT(support::inputError([&] { characterize(some); }), HasSubstr("curve1.yaml: temperature_degC is missing, curve2.yaml has it"));
   std::vector<Measurement> same = curves(4, 0, 0);
   for (Measurement& measurement : same) measurement.temperature = 31;
   EXPECT_EQ(findEstimate(characterize(same), "temperature.gain"), nullptr);

@@ -5,6 +5,7 @@
 #include "characterize/stamp_bench.h"
 #include "reference/psf.h"
 #include "reference/readout.h"
+#include "support/input_error.h"
 #include "support/test.h"
 #include "taxelsim/error.h"
 
@@ -73,12 +74,7 @@ Characterization fittedTo(const Sensor& truth, UniformPress uniform) {
 }
 
 std::string refusal(const Sensor& truth, UniformPress uniform) {
-  try {
-    fittedTo(truth, std::move(uniform));
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return support::refusal([&] { fittedTo(truth, std::move(uniform)); });
 }
 
 TEST(UniformPress, FindsGainsWithRightIntervals) {

@@ -13,20 +13,17 @@ const std::vector<std::string> kCommands{"devices",  "frame",      "generate",  
 
 TEST(Help, EverySubcommandHasAnExample) {
   for (const std::string& command : kCommands) {
-    const Outcome outcome = runTaxelsim({command, "--help"});
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    const Outcome outcome = succeed({command, "--help"});
     EXPECT_TRUE(outcome.err.empty()) << outcome.err;
-    EXPECT_NE(outcome.out.find(":\n  taxelsim " + command + " "), std::string::npos) << outcome.out;
-    EXPECT_EQ(outcome.out.find(" in ["), std::string::npos) << "a range in the type of an option\n" << outcome.out;
+    EXPECT_THAT(outcome.out, ::testing::HasSubstr(":\n  taxelsim " + command + " "));
+    EXPECT_THAT(outcome.out, ::testing::Not(::testing::HasSubstr(" in ["))) << "a range in the type of an option\n" << outcome.out;
   }
-  const Outcome all = runTaxelsim({"--help"});
-  EXPECT_EQ(all.status, 0);
+  const Outcome all = succeed({"--help"});
   for (const std::string& command : kCommands) EXPECT_NE(all.out.find("\n  " + command), std::string::npos) << command;
 }
 
 TEST(Help, Version) {
-  const Outcome outcome = runTaxelsim({"--version"});
-  EXPECT_EQ(outcome.status, 0);
+  const Outcome outcome = succeed({"--version"});
   EXPECT_EQ(outcome.out, std::string("taxelsim ") + kVersion + "\n");
 }
 

@@ -14,9 +14,11 @@ using ::testing::HasSubstr;
 
 const std::string kMeasurements = TAXELSIM_SOURCE_DIR "/scenes/measurements/";
 
-std::vector<std::string> characterized(const std::vector<std::string>& names, const std::string& sensor) {
+std::vector<std::string> characterized(const std::vector<std::string>& names, const std::string& sensor,
+                                       const std::vector<std::string>& more = {}) {
   std::vector<std::string> arguments{"characterize", "-o", sensor};
   for (const std::string& name : names) arguments.push_back(kMeasurements + name + ".yaml");
+  arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
 }
 
@@ -48,12 +50,8 @@ std::string scatterOfGains(const Sensor& sensor) {
 // TRUTH of scripts/make_measurements.py.
 TEST(Characterize, RecoversTheParametersOfTheShippedMeasurements) {
   const TemporaryDirectory directory;
-  std::vector<std::string> arguments =
-      characterized({"force_curve", "force_depth", "point_images", "step_response", "stamp_3N", "stamp_6N"}, directory / "s.yaml");
-  arguments.insert(arguments.end(), {"--json", "--report", directory / "r.html"});
-  const Outcome outcome = runTaxelsim(arguments);
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  const Json json = Json::parse(outcome.out);
+  const Json json = jsonOf(characterized({"force_curve", "force_depth", "point_images", "step_response", "stamp_3N", "stamp_6N"},
+                                         directory / "s.yaml", {"--json", "--report", directory / "r.html"}));
   const std::vector<std::pair<std::string, double>> truths{{"readout.curve.counts_per_newton", 2310},
                                                            {"readout.trigger", 0.031},
                                                            {"readout.saturation", 3840},
@@ -81,18 +79,14 @@ TEST(Characterize, RecoversTheParametersOfTheShippedMeasurements) {
 // A pressure film and an air cushion alone: spread and gains.
 TEST(Characterize, RecoversSpreadAndGainsWithoutALoadCell) {
   const TemporaryDirectory directory;
-  std::vector<std::string> arguments = characterized({"footprint_images", "uniform_press"}, directory / "s.yaml");
-  arguments.emplace_back("--json");
-  const Outcome outcome = runTaxelsim(arguments);
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  const Json json = Json::parse(outcome.out);
+  const Json json = jsonOf(characterized({"footprint_images", "uniform_press"}, directory / "s.yaml", {"--json"}));
   const Json &sigma = estimateOf(json, "psf.gaussian.sigma"), &spread = estimateOf(json, "readout.press_gain_spread");
   EXPECT_NEAR(sigma["value"].get<double>(), 0.6, 0.02);
   EXPECT_LT(spread["low"].get<double>(), 0.174);
   EXPECT_GT(spread["high"].get<double>(), 0.174);
   EXPECT_EQ(json["dead_taxels"], Json({40}));
   // With images of points: gains near the border depend on the spread.
-  ASSERT_EQ(runTaxelsim(characterized({"force_curve", "point_images"}, directory / "line.yaml")).status, 0);
+  succeed(characterized({"force_curve", "point_images"}, directory / "line.yaml"));
   const std::vector<double> gains = loadSensor(directory / "s.yaml").readout.taxel_gain,
                             by_curves = loadSensor(directory / "line.yaml").readout.taxel_gain;
   // 4 % in five presses is 1.8 %; four times that.
@@ -101,26 +95,21 @@ TEST(Characterize, RecoversSpreadAndGainsWithoutALoadCell) {
 
 TEST(Characterize, RefusesATemperatureThatNoMeasurementHas) {
   const TemporaryDirectory directory;
-  std::vector<std::string> arguments = characterized({"force_curve"}, directory / "s.yaml");
-  arguments.insert(arguments.end(), {"--temperature", "40"});
-  expectRefused(runTaxelsim(arguments), "--temperature: the measurements have no temperature_degC");
+  expectRefused(runTaxelsim(characterized({"force_curve"}, directory / "s.yaml", {"--temperature", "40"})),
+                "--temperature: the measurements have no temperature_degC");
   EXPECT_FALSE(std::filesystem::exists(directory / "s.yaml"));
 }
 
 TEST(Characterize, WritesAnArrayOfTheSameKind) {
   const TemporaryDirectory directory;
-  ASSERT_EQ(runTaxelsim(characterized({"force_curve"}, directory / "one.yaml")).status, 0);
-  std::vector<std::string> arguments = characterized({"force_curve"}, directory / "kind.yaml");
-  arguments.emplace_back("--random-gains");
-  const Outcome outcome = runTaxelsim(arguments);
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  succeed(characterized({"force_curve"}, directory / "one.yaml"));
+  succeed(characterized({"force_curve"}, directory / "kind.yaml", {"--random-gains"}));
   const Sensor one = loadSensor(directory / "one.yaml"), kind = loadSensor(directory / "kind.yaml");
   EXPECT_TRUE(kind.readout.taxel_gain.empty());
   EXPECT_EQ(scatterText(kind.readout.gain_spread), scatterOfGains(one));
   EXPECT_THAT(contentOf(directory / "kind.yaml"), HasSubstr("# standard deviation of the logarithm of the fitted gains"));
-  arguments = characterized({"force_depth"}, directory / "none.yaml");
-  arguments.emplace_back("--random-gains");
-  expectRefused(runTaxelsim(arguments), "--random-gains: the measurements determine the gains of fewer than two taxels");
+  expectRefused(runTaxelsim(characterized({"force_depth"}, directory / "none.yaml", {"--random-gains"})),
+                "--random-gains: the measurements determine the gains of fewer than two taxels");
   EXPECT_FALSE(std::filesystem::exists(directory / "none.yaml"));
 }
 
@@ -129,8 +118,7 @@ TEST(Characterize, ReportIsSelfContained) {
   std::vector<std::string> arguments = characterized({"force_curve", "force_depth"}, directory / "s.yaml");
   const std::string report = directory / "r\" onerror=\"x.html";
   arguments.insert(arguments.end(), {"--name", "mine", "--report", report});
-  const Outcome outcome = runTaxelsim(arguments);
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const Outcome outcome = succeed(arguments);
   EXPECT_THAT(outcome.out, HasSubstr("skin.normal_contact_stiffness"));
   EXPECT_THAT(outcome.err, HasSubstr("info: wrote " + (directory / "s.yaml").string() + "\n"));
   EXPECT_THAT(outcome.err, HasSubstr("info: wrote " + report + " and 3 figures in its folder\n"));
@@ -141,8 +129,8 @@ TEST(Characterize, ReportIsSelfContained) {
   EXPECT_THAT(page, HasSubstr("Characterisation of mine"));
   EXPECT_THAT(page, HasSubstr("<img alt=\"r&quot; onerror=&quot;x_gain_map\"")) << "the name stays inside the attribute";
   EXPECT_THAT(page, HasSubstr("data:image/png;base64,iVBORw0KGgo")) << "signature of a PNG";
-  EXPECT_EQ(page.find("http"), std::string::npos);
-  EXPECT_EQ(page.find(" nan"), std::string::npos);
+  EXPECT_THAT(page, ::testing::Not(::testing::HasSubstr("http")));
+  EXPECT_THAT(page, ::testing::Not(::testing::HasSubstr(" nan")));
   for (const char* picture : {"output_against_force_all_taxels.png", "force_against_penetration_depth.png", "gain_map.png"}) {
     EXPECT_GT(Picture(directory / (std::string("r\" onerror=\"x_") + picture)).width(), 100) << picture;
   }
@@ -154,10 +142,9 @@ TEST(Characterize, WritesACurveOfStraightPieces) {
   std::ofstream(directory / "pieces.yaml") << "format_version: 1\nmeasurement: force_curve\nsensor: " TAXELSIM_SOURCE_DIR
                                               "/scenes/sensors/wts0614_soft_cover.yaml\ncurve_segments: 4\ntable: force_curve.csv\n";
   std::filesystem::copy_file(kMeasurements + "force_curve.csv", directory / "force_curve.csv");
-  const Outcome outcome = runTaxelsim({"characterize", directory / "pieces.yaml", "-o", directory / "s.yaml"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const Outcome outcome = succeed({"characterize", directory / "pieces.yaml", "-o", directory / "s.yaml"});
   EXPECT_THAT(outcome.out, HasSubstr("readout.curve.points[3].counts"));
-  ASSERT_EQ(runTaxelsim(characterized({"force_curve"}, directory / "line.yaml")).status, 0);
+  succeed(characterized({"force_curve"}, directory / "line.yaml"));
   const double slope = loadSensor(directory / "line.yaml").readout.curve[0];
   const Sensor sensor = loadSensor(directory / "s.yaml");
   ASSERT_EQ(sensor.readout.curve_points.size(), 4u);
@@ -182,9 +169,7 @@ TEST(Characterize, RejectsBadInputWithoutWriting) {
   write("t.csv", "depth_mm,force_N\n0,0\n1,1\n");
   write("m.yaml", "format_version: 1\nmeasurement: force_depth\nsensor: " TAXELSIM_SOURCE_DIR
                   "/scenes/sensors/cea_list.yaml\ntable: t.csv\nindenter: {flat_pin: {radius_mm: 0.5}}\n");
-  std::vector<std::string> arguments = characterized({"force_depth"}, sensor);
-  arguments.push_back(directory / "m.yaml");
-  expectRefused(runTaxelsim(arguments), "m.yaml: names another sensor than");
+  expectRefused(runTaxelsim(characterized({"force_depth"}, sensor, {directory / "m.yaml"})), "m.yaml: names another sensor than");
   write("n.csv", "depth_mm,force_N\n0,0\n1,nan\n");
   write("n.yaml", "format_version: 1\nmeasurement: force_depth\nsensor: " TAXELSIM_SOURCE_DIR
                   "/scenes/sensors/wts0614_soft_cover.yaml\ntable: n.csv\nindenter: {flat_pin: {radius_mm: 0.5}}\n");
@@ -198,15 +183,12 @@ TEST(Characterize, RejectsBadInputWithoutWriting) {
 
 TEST(Characterize, CrossValidationPrintsItsVerdictFirst) {
   const TemporaryDirectory directory;
-  std::vector<std::string> arguments = characterized({"force_curve", "stamp_3N", "stamp_6N"}, directory / "s.yaml");
-  arguments.insert(arguments.end(), {"--cross-validate", "--report", directory / "r.html"});
-  const Outcome outcome = runTaxelsim(arguments);
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const Outcome outcome = succeed(
+      characterized({"force_curve", "stamp_3N", "stamp_6N"}, directory / "s.yaml", {"--cross-validate", "--report", directory / "r.html"}));
   EXPECT_THAT(outcome.out, ::testing::StartsWith("left-out loads: this set cannot be cross-validated by stamps: "));
   EXPECT_THAT(outcome.out, HasSubstr("\nleft-out cycles or halves: "));
   EXPECT_THAT(outcome.out, HasSubstr("line in the force per taxel"));
-  std::ifstream report(directory / "r.html");
-  const std::string page{std::istreambuf_iterator<char>(report), {}};
+  const std::string page = contentOf(directory / "r.html");
   EXPECT_LT(page.find("left-out loads: "), page.find("<h2>Parameters"));
   expectRefused(runTaxelsim({"characterize", kMeasurements + "step_response.yaml", "-o", directory / "s.yaml", "--cross-validate"}),
                 "cross-validation needs measurements of kind stamp_images or force_curve");

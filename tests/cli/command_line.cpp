@@ -7,16 +7,12 @@
 
 #include <chrono>
 #include <csignal>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "support/test.h"
 
 namespace taxelsim::testing {
-
-std::string contentOf(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 namespace {
 
@@ -86,12 +82,24 @@ Outcome runTaxelsim(const std::vector<std::string>& arguments, const RunOptions&
   return program.wait();
 }
 
+Outcome succeed(const std::vector<std::string>& arguments, const RunOptions& options) {
+  const Outcome outcome = runTaxelsim(arguments, options);
+  if (outcome.status == 0) return outcome;
+  std::string words;
+  for (const std::string& word : arguments) words += " " + word;
+  throw std::runtime_error("taxelsim" + words + " ends with status " + std::to_string(outcome.status) + ":\n" + outcome.err);
+}
+
+nlohmann::json jsonOf(const std::vector<std::string>& arguments) {
+  return nlohmann::json::parse(succeed(arguments).out);
+}
+
 void expectRefused(const Outcome& outcome, const std::string& part) {
   EXPECT_EQ(outcome.status, 2) << outcome.err;
   EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
   EXPECT_TRUE(outcome.err.ends_with("\n")) << outcome.err;
   EXPECT_TRUE(outcome.err.starts_with("taxelsim: ")) << outcome.err;
-  EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
+  EXPECT_THAT(outcome.err, ::testing::HasSubstr(part));
 }
 
 }  // namespace taxelsim::testing

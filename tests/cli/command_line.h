@@ -4,6 +4,8 @@
 #include <sys/resource.h>
 #include <sys/types.h>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "support/temporary_directory.h"
 #include "support/test.h"
 
@@ -53,7 +55,11 @@ class RunningTaxelsim {
 // Runs the program to its end.
 Outcome runTaxelsim(const std::vector<std::string>& arguments, const RunOptions& options = {});
 
-std::string contentOf(const std::filesystem::path& file);
+// Runs the program to its end. Throws unless its exit status is 0.
+Outcome succeed(const std::vector<std::string>& arguments, const RunOptions& options = {});
+
+// What a run that succeeds prints, parsed.
+nlohmann::json jsonOf(const std::vector<std::string>& arguments);
 
 // Expects one line with `part` on stderr and exit status 2.
 void expectRefused(const Outcome& outcome, const std::string& part);

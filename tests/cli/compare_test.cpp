@@ -11,6 +11,8 @@
 namespace taxelsim::testing {
 namespace {
 
+using ::testing::HasSubstr;
+using ::testing::Not;
 using Json = nlohmann::json;
 
 constexpr double kRounding = 1e-12;  // of a dozen operations in double on values of order 1
@@ -30,9 +32,8 @@ class Compare : public ::testing::Test {
   }
 
   static Json jsonOf(const std::vector<std::string>& arguments) {
-    const Outcome outcome = runTaxelsim(arguments);
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_EQ(outcome.out.find("nan"), std::string::npos) << outcome.out;
+    const Outcome outcome = succeed(arguments);
+    EXPECT_THAT(outcome.out, Not(HasSubstr("nan")));
     return Json::parse(outcome.out, nullptr, /*allow_exceptions=*/false);
   }
 
@@ -58,10 +59,9 @@ TEST_F(Compare, ByHand) {
   EXPECT_NEAR(pair["force_difference"], 0.28, kRounding);
   EXPECT_EQ(json["full_scale"], 1023);
 
-  const Outcome table = runTaxelsim({"compare", at("real.yaml"), at("sim.yaml")});
-  EXPECT_EQ(table.status, 0) << table.err;
+  const Outcome table = succeed({"compare", at("real.yaml"), at("sim.yaml")});
   for (const char* part : {"M1  median difference", "4.888", "M2 ", "M3 ", "M4 ", "54.95", "M5 ", "0.8447", "0.91", "1.19", "0.28"}) {
-    EXPECT_NE(table.out.find(part), std::string::npos) << part << " in\n" << table.out;
+    EXPECT_THAT(table.out, HasSubstr(part));
   }
 }
 
@@ -93,9 +93,8 @@ TEST_F(Compare, UndefinedValuesAreNull) {
   EXPECT_TRUE(pair["real"].at("center_of_pressure").is_null());
   EXPECT_TRUE(pair["real"].at("edge_angle").is_null());
   EXPECT_EQ(pair["real"]["total_force"], 0);
-  const Outcome table = runTaxelsim({"compare", empty, empty, "-o", at("empty.png")});
-  EXPECT_EQ(table.status, 0) << table.err;
-  EXPECT_EQ(table.out.find("nan"), std::string::npos) << table.out;
+  const Outcome table = succeed({"compare", empty, empty, "-o", at("empty.png")});
+  EXPECT_THAT(table.out, Not(HasSubstr("nan")));
 }
 
 TEST_F(Compare, AtSelectsATimeAfterContact) {
@@ -131,8 +130,7 @@ TEST_F(Compare, DataSetsOfOneScene) {
   write("scene.yaml", std::string("format_version: 1\nname: pressed\nkind: contacts\nsensor: ") + TAXELSIM_SOURCE_DIR +
                           "/scenes/sensors/wts0614_soft_cover.yaml\nobjects: [{sphere: {radius_mm: 10}}]\nrandomization: {load: [1, 3]}\n");
   for (const char* seed : {"1", "2"}) {
-    const Outcome made = runTaxelsim({"generate", at("scene.yaml"), "-o", at(seed), "--episodes", "3", "--seed", seed});
-    ASSERT_EQ(made.status, 0) << made.err;
+    succeed({"generate", at("scene.yaml"), "-o", at(seed), "--episodes", "3", "--seed", seed});
   }
   const Json same = jsonOf({"compare", at("1"), at("1"), "--json"}), other = jsonOf({"compare", at("1"), at("2"), "--json"});
   EXPECT_EQ(same["all"]["M4_relative_l1"]["highest"], 0);
@@ -142,8 +140,7 @@ TEST_F(Compare, DataSetsOfOneScene) {
 }
 
 TEST_F(Compare, Picture) {
-  const Outcome outcome = runTaxelsim({"compare", images("real", kReal), images("sim", kSimulated), "-o", at("pair.png")});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const Outcome outcome = succeed({"compare", images("real", kReal), images("sim", kSimulated), "-o", at("pair.png")});
   EXPECT_EQ(outcome.err, "info: wrote " + at("pair.png") + "\n");
   const Picture picture(at("pair.png"));
   const Picture::Spot largest = picture.of(0xfde725), more = picture.of(0xb5372b), nothing = picture.of(0xeeeff1);
@@ -161,8 +158,8 @@ TEST_F(Compare, RejectsDifferentArrays) {
   const std::string two = images("two", kReal + "1,2,3,4,5,6\n"), three = images("three", kReal + "1,2,3,4,5,6\n1,2,3,4,5,6\n");
   expectRefused(runTaxelsim({"compare", two, three}), "two.yaml has 2 images");
   const Outcome one = runTaxelsim({"compare", real, two});
-  EXPECT_NE(one.out.find("real.yaml: 1 image of 2 x 3 taxels"), std::string::npos) << one.out;
-  EXPECT_NE(one.out.find("two.yaml: 2 images of 2 x 3 taxels"), std::string::npos) << one.out;
+  EXPECT_THAT(one.out, HasSubstr("real.yaml: 1 image of 2 x 3 taxels"));
+  EXPECT_THAT(one.out, HasSubstr("two.yaml: 2 images of 2 x 3 taxels"));
   std::string turned = kSmallPad;
   turned.replace(turned.find("num_rows: 2\nnum_cols: 3"), 23, "num_rows: 3\nnum_cols: 2");
   write("turned.yaml", turned);

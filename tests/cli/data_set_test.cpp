@@ -8,6 +8,8 @@
 namespace taxelsim::testing {
 namespace {
 
+using ::testing::HasSubstr;
+
 constexpr std::size_t kBlankPicture = 8000;  // bytes; a PNG without drawing in it is smaller
 
 class DataSet : public ::testing::Test {
@@ -27,10 +29,9 @@ class DataSet : public ::testing::Test {
 
 TEST_F(DataSet, InspectPrintsTheContents) {
   writePressedPad(at("d"));
-  const Outcome text = runTaxelsim({"inspect", at("d")});
-  EXPECT_EQ(text.status, 0) << text.err;
+  const Outcome text = succeed({"inspect", at("d")});
   for (const char* part : {"turning bar", "made-up pad", "3 of 3 complete", "data/tactile_image", "6 x 14", "counts", "meta/load"})
-    EXPECT_NE(text.out.find(part), std::string::npos) << part << " in\n" << text.out;
+    EXPECT_THAT(text.out, HasSubstr(part));
 
   const Outcome outcome = runTaxelsim({"inspect", at("d"), "--json"});
   const nlohmann::json json = nlohmann::json::parse(outcome.out);
@@ -51,7 +52,7 @@ TEST_F(DataSet, InspectShowsFormatPolicyAndNamedValues) {
   writePressedPad(at("d"));
   const Outcome text = runTaxelsim({"inspect", at("d")});
   for (const char* part : {"policy    drop 1", "format    2", "dataset.h5 verified", "text[4]", "bar 3, drop 2", "false 2, true 3"})
-    EXPECT_NE(text.out.find(part), std::string::npos) << part << " in\n" << text.out;
+    EXPECT_THAT(text.out, HasSubstr(part));
   const nlohmann::json json = nlohmann::json::parse(runTaxelsim({"inspect", at("d"), "--json"}).out);
   EXPECT_EQ(json["policy"], "drop 1");
   EXPECT_EQ(json["format_version"], 2);
@@ -72,12 +73,11 @@ TEST_F(DataSet, InspectReportsTheView) {
   flipByteOf(at("d/dataset.h5"), 100);
   const Outcome broken = runTaxelsim({"inspect", at("d")});
   expectRefused(broken, "dataset.h5: its SHA-256");
-  EXPECT_NE(broken.out.find("dataset.h5 is broken"), std::string::npos) << broken.out;
-  EXPECT_EQ(runTaxelsim({"render", at("d"), "-o", at("a.png")}).status, 0) << "the shards are whole";
+  EXPECT_THAT(broken.out, HasSubstr("dataset.h5 is broken"));
+  succeed({"render", at("d"), "-o", at("a.png")});  // the shards are whole
   std::filesystem::remove(at("d/dataset.h5"));
-  const Outcome missing = runTaxelsim({"inspect", at("d")});
-  EXPECT_EQ(missing.status, 0) << missing.err;
-  EXPECT_NE(missing.out.find("dataset.h5 is missing"), std::string::npos) << missing.out;
+  const Outcome missing = succeed({"inspect", at("d")});
+  EXPECT_THAT(missing.out, HasSubstr("dataset.h5 is missing"));
 }
 
 TEST_F(DataSet, RenderRefusesBrokenShards) {
@@ -85,48 +85,41 @@ TEST_F(DataSet, RenderRefusesBrokenShards) {
   flipByteOf(at("d/shard-000001.h5"), content(at("d/shard-000001.h5")).size() - 1);
   expectRefused(runTaxelsim({"render", at("d"), "-o", at("a.png")}), "shard-000001.h5: its SHA-256");
   EXPECT_FALSE(std::filesystem::exists(at("a.png")));
-  EXPECT_EQ(runTaxelsim({"render", at("d"), "-o", at("a.png"), "--episode", "0"}).status, 0) << "of another shard";
+  succeed({"render", at("d"), "-o", at("a.png"), "--episode", "0"});  // of another shard
 }
 
 TEST_F(DataSet, Format1IsInspectedRenderedAndCompared) {
   const std::string old = TAXELSIM_SOURCE_DIR "/tests/dataset/data/format_1";
-  const Outcome outcome = runTaxelsim({"inspect", old});
-  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const Outcome outcome = succeed({"inspect", old});
   for (const char* part : {"format    1", "2 of 2 complete", "all values of all shards", "no checksum in format 1", "int32"})
-    EXPECT_NE(outcome.out.find(part), std::string::npos) << part << " in\n" << outcome.out;
-  EXPECT_NE(runTaxelsim({"inspect", old, "--quick"}).out.find("headers of all shards"), std::string::npos);
-  EXPECT_EQ(runTaxelsim({"render", old, "-o", at("a.png")}).status, 0);
+    EXPECT_THAT(outcome.out, HasSubstr(part));
+  EXPECT_THAT(runTaxelsim({"inspect", old, "--quick"}).out, HasSubstr("headers of all shards"));
+  succeed({"render", old, "-o", at("a.png")});
   EXPECT_GT(content(at("a.png")).size(), kBlankPicture);
-  const Outcome compared = runTaxelsim({"compare", old, old});
-  EXPECT_EQ(compared.status, 0) << compared.err;
+  succeed({"compare", old, old});
 }
 
 // Of the contact law pasternak, which was removed. data/pasternak was written by version 0.3.0 from data/pasternak_scene.yaml.
 TEST_F(DataSet, OfARemovedLawIsInspectedRenderedAndComparedButNotContinued) {
   const std::string old = TAXELSIM_SOURCE_DIR "/tests/dataset/data/pasternak", scene = old + "_scene.yaml";
-  const Outcome outcome = runTaxelsim({"inspect", old});
-  EXPECT_EQ(outcome.status, 0) << outcome.err;
-  for (const char* part : {"1 of 1 complete", "data/tactile_image", "6 x 14"})
-    EXPECT_NE(outcome.out.find(part), std::string::npos) << part << " in\n" << outcome.out;
-  EXPECT_EQ(runTaxelsim({"render", old, "-o", at("a.png")}).status, 0);
+  const Outcome outcome = succeed({"inspect", old});
+  for (const char* part : {"1 of 1 complete", "data/tactile_image", "6 x 14"}) EXPECT_THAT(outcome.out, HasSubstr(part));
+  succeed({"render", old, "-o", at("a.png")});
   EXPECT_GT(content(at("a.png")).size(), kBlankPicture);
-  const Outcome compared = runTaxelsim({"compare", old, old});
-  EXPECT_EQ(compared.status, 0) << compared.err;
+  succeed({"compare", old, old});
   std::filesystem::copy(old, at("d"));
   const std::string refusal = scene +
                               ":13:10: sensor.skin.law: pasternak is not allowed: removed; use elastic_layer, or winkler with "
                               "depth_sampling: area";
   expectRefused(runTaxelsim({"generate", scene, "-o", at("d")}), refusal);
   expectRefused(runTaxelsim({"evaluate", scene}), refusal);
-  EXPECT_EQ(runTaxelsim({"inspect", at("d")}).status, 0);
+  succeed({"inspect", at("d")});
 }
 
 TEST_F(DataSet, InspectListsMissingShards) {
   writePressedPad(at("d"));
   std::filesystem::remove(at("d/shard-000001.h5"));
-  const Outcome outcome = runTaxelsim({"inspect", at("d"), "--json"});
-  EXPECT_EQ(outcome.status, 0) << outcome.err;
-  const nlohmann::json json = nlohmann::json::parse(outcome.out);
+  const nlohmann::json json = jsonOf({"inspect", at("d"), "--json"});
   EXPECT_EQ(json["shards"]["missing"], nlohmann::json::array({1}));
   EXPECT_EQ(json["episodes_on_disk"], 3);
 }
@@ -142,10 +135,10 @@ TEST_F(DataSet, InspectRefusesBrokenShards) {
     flipByteOf(at("d/shard-000002.h5"), place);
     const Outcome outcome = runTaxelsim({"inspect", at("d")});
     expectRefused(outcome, "shard-000002.h5");
-    EXPECT_NE(outcome.out.find("1 broken (2)"), std::string::npos) << outcome.out;
+    EXPECT_THAT(outcome.out, HasSubstr("1 broken (2)"));
     flipByteOf(at("d/shard-000002.h5"), place);
   }
-  EXPECT_EQ(runTaxelsim({"inspect", at("d")}).status, 0);
+  succeed({"inspect", at("d")});
 }
 
 TEST_F(DataSet, InspectRefusesAChangedScene) {
@@ -164,16 +157,14 @@ TEST_F(DataSet, TextOfAManifestDoesNotControlTheTerminal) {
   for (const char* option : {"--quick", "--json"}) {
     const Outcome outcome = runTaxelsim({"inspect", at("d"), option});
     expectRefused(outcome, "policy is drop 1, not \\x1b]0;drop\\x07");
-    EXPECT_NE(outcome.out.find(std::string(option) == "--json" ? "\\u001b]0;drop\\u0007" : "\\x1b]0;drop\\x07"), std::string::npos)
-        << outcome.out;
+    EXPECT_THAT(outcome.out, HasSubstr(std::string(option) == "--json" ? "\\u001b]0;drop\\u0007" : "\\x1b]0;drop\\x07"));
     EXPECT_EQ((outcome.out + outcome.err).find_first_of("\x1b\x07"), std::string::npos) << outcome.out << outcome.err;
   }
 }
 
 TEST_F(DataSet, RenderDrawsAPicture) {
   writePressedPad(at("d"));
-  const Outcome outcome = runTaxelsim({"render", at("d"), "-o", at("a.png"), "--frames", "6"});
-  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  succeed({"render", at("d"), "-o", at("a.png"), "--frames", "6"});
   EXPECT_TRUE(content(at("a.png")).starts_with("\x89PNG"));
   EXPECT_GT(content(at("a.png")).size(), kBlankPicture);
   const Outcome episode = runTaxelsim({"render", at("d"), "-o", at("b.png"), "--episode", "1"});
@@ -183,19 +174,19 @@ TEST_F(DataSet, RenderDrawsAPicture) {
   EXPECT_FALSE(std::filesystem::exists(at("c.png")));
   const Outcome refused = runTaxelsim({"render", at("d"), "-o", at("none/c.png")});
   EXPECT_EQ(refused.status, 1) << refused.err;
-  EXPECT_NE(refused.err.find("none/c.png: its folder does not exist"), std::string::npos) << refused.err;
+  EXPECT_THAT(refused.err, HasSubstr("none/c.png: its folder does not exist"));
 }
 
 TEST_F(DataSet, RenderNamesTheObject) {
   writePressedPad(at("d"));
   writePressedPad(at("other"), {.bar_name = "rod"});
   for (const auto& [episode, is_other] : {std::pair{"0", true}, std::pair{"1", false}}) {
-    ASSERT_EQ(runTaxelsim({"render", at("d"), "-o", at("a.png"), "--episode", episode}).status, 0);
-    ASSERT_EQ(runTaxelsim({"render", at("other"), "-o", at("b.png"), "--episode", episode}).status, 0);
+    succeed({"render", at("d"), "-o", at("a.png"), "--episode", episode});
+    succeed({"render", at("other"), "-o", at("b.png"), "--episode", episode});
     EXPECT_EQ(content(at("a.png")) != content(at("b.png")), is_other) << "episode " << episode;
   }
   writePressedPad(at("bytes"), {.bar_name = "\xff\n"});
-  EXPECT_EQ(runTaxelsim({"render", at("bytes"), "-o", at("c.png")}).status, 0) << "Cairo draws no text that is not UTF-8";
+  succeed({"render", at("bytes"), "-o", at("c.png")});  // Cairo draws no text that is not UTF-8
   EXPECT_GT(content(at("c.png")).size(), kBlankPicture);
 }
 
@@ -204,8 +195,7 @@ TEST_F(DataSet, RenderStreamsAnEpisode) {
   writePressedPad(at("d"));
   const auto timesOf = [&](std::vector<std::string> options) {
     options.insert(options.begin(), {"render", at("d"), "-o", "-", "--episode", "3"});
-    const Outcome outcome = runTaxelsim(options);
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    const Outcome outcome = succeed(options);
     std::vector<std::string> times;
     std::size_t place = 0;
     std::string size;
@@ -239,9 +229,9 @@ TEST_F(DataSet, RenderStreamsAnEpisode) {
 
 TEST_F(DataSet, RenderWorksWithoutFeaturesAndWithoutGrid) {
   writePressedPad(at("bare"), {.features = false});
-  EXPECT_EQ(runTaxelsim({"render", at("bare"), "-o", at("a.png")}).status, 0);
+  succeed({"render", at("bare"), "-o", at("a.png")});
   writePressedPad(at("list"), {.one_grid = false});
-  EXPECT_EQ(runTaxelsim({"render", at("list"), "-o", at("b.png")}).status, 0);
+  succeed({"render", at("list"), "-o", at("b.png")});
   EXPECT_GT(content(at("b.png")).size(), kBlankPicture);
 }
 

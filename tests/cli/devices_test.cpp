@@ -24,8 +24,7 @@ TEST(DevicesPlan, CountsTheJacobianThatAControllerNeeds) {
   const std::string file = root / "scene.yaml";
   std::ofstream(file) << kScene;
   const Scene scene = loadScene(file);
-  const Outcome outcome = runTaxelsim({"devices", "--plan", file, "--json"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const Outcome outcome = succeed({"devices", "--plan", file, "--json"});
   ModelOptions options{.sensor = scene.sensor, .objects = {}};
   for (const SceneObject& object : scene.objects) options.objects.push_back(object.object);
   for (const nlohmann::json& device : nlohmann::json::parse(outcome.out)) {
@@ -50,18 +49,17 @@ TEST(DevicesPlan, CountsTheSensorOfACondition) {
   std::ofstream(file) << kScene << "conditions: {slow: {sensor: slow.yaml}}\n";
   const auto bytes = [&](std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), {"devices", "--plan", file, "--json"});
-    const Outcome outcome = runTaxelsim(arguments);
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    const Outcome outcome = succeed(arguments);
     return nlohmann::json::parse(outcome.out)[0]["plan"]["bytes_per_instance"].get<std::uint64_t>();
   };
   const std::uint64_t nominal = bytes({});
   EXPECT_EQ(bytes({"--condition", "nominal"}), nominal);
   EXPECT_GT(bytes({"--condition", "slow"}), nominal);
   const Outcome table = runTaxelsim({"devices", "--plan", file, "--condition", "slow"});
-  EXPECT_NE(table.out.find("scene.yaml (slow)"), std::string::npos) << table.out;
+  EXPECT_THAT(table.out, ::testing::HasSubstr("scene.yaml (slow)"));
   const Outcome unknown = runTaxelsim({"devices", "--plan", file, "--condition", "fast"});
   EXPECT_EQ(unknown.status, 2);
-  EXPECT_NE(unknown.err.find("slow"), std::string::npos) << unknown.err;
+  EXPECT_THAT(unknown.err, ::testing::HasSubstr("slow"));
   EXPECT_EQ(runTaxelsim({"devices", "--condition", "slow"}).status, 2) << "without --plan";
 }
 

@@ -1,4 +1,4 @@
-// `evaluate`: table, JSON and figure of a small task, independence of the batch size, and refusals.
+// `evaluate`: table, JSON and figure of a small task, and refusals.
 #include <chrono>
 #include <csignal>
 #include <nlohmann/json.hpp>
@@ -11,6 +11,9 @@
 namespace taxelsim::testing {
 namespace {
 
+using ::testing::HasSubstr;
+using ::testing::Not;
+
 class Evaluate : public ::testing::Test {
  protected:
   Evaluate() { writeSmallTask(scene_); }
@@ -20,9 +23,7 @@ class Evaluate : public ::testing::Test {
 };
 
 TEST_F(Evaluate, JsonAndPicture) {
-  const Outcome outcome = runTaxelsim({"evaluate", scene_, "--json", "--png", root_ / "small.png"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  const nlohmann::json json = nlohmann::json::parse(outcome.out);
+  const nlohmann::json json = jsonOf({"evaluate", scene_, "--json", "--png", root_ / "small.png"});
   ASSERT_EQ(json["controllers"].size(), 2u);
   const nlohmann::json &fast = json["controllers"][0], &none = json["controllers"][1];
   EXPECT_EQ(fast["controller"], "fast");
@@ -36,27 +37,18 @@ TEST_F(Evaluate, JsonAndPicture) {
   EXPECT_GT(picture.width(), picture.height());
 }
 
-TEST_F(Evaluate, DoesNotDependOnTheBatchSize) {
-  const Outcome whole = runTaxelsim({"evaluate", scene_, "--json"});
-  const Outcome cut = runTaxelsim({"evaluate", scene_, "--json", "--batch-size", "7"});
-  EXPECT_EQ(whole.out, cut.out);
-}
-
 TEST_F(Evaluate, TableOfOneController) {
-  const Outcome outcome = runTaxelsim({"evaluate", scene_, "--controller", "none", "--episodes", "10"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("none"), std::string::npos);
-  EXPECT_EQ(outcome.out.find("fast"), std::string::npos);
-  EXPECT_NE(outcome.out.find("success (95 %)"), std::string::npos);
+  const Outcome outcome = succeed({"evaluate", scene_, "--controller", "none", "--episodes", "10"});
+  EXPECT_THAT(outcome.out, HasSubstr("none"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("fast")));
+  EXPECT_THAT(outcome.out, HasSubstr("success (95 %)"));
 }
 
 TEST_F(Evaluate, PrintsItsSuccessRuleAndNamesItsSubsets) {
-  const Outcome outcome = runTaxelsim({"evaluate", scene_, "--episodes", "10", "--png", root_ / "small.png"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("success: in every frame of the last 0.1 s, contact, edge_angle within 3 deg of 90 deg\n"), std::string::npos)
-      << outcome.out;
-  EXPECT_NE(outcome.out.find("deg at the start "), std::string::npos) << outcome.out;
-  EXPECT_NE(outcome.err.find("info: wrote " + (root_ / "small.png").string()), std::string::npos) << outcome.err;
+  const Outcome outcome = succeed({"evaluate", scene_, "--episodes", "10", "--png", root_ / "small.png"});
+  EXPECT_THAT(outcome.out, HasSubstr("success: in every frame of the last 0.1 s, contact, edge_angle within 3 deg of 90 deg\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("deg at the start "));
+  EXPECT_THAT(outcome.err, HasSubstr("info: wrote " + (root_ / "small.png").string()));
   const nlohmann::json json = nlohmann::json::parse(runTaxelsim({"evaluate", scene_, "--episodes", "10", "--json"}).out);
   EXPECT_EQ(json["success"], "success: in every frame of the last 0.1 s, contact, edge_angle within 3 deg of 90 deg");
   EXPECT_TRUE(json["controllers"][0]["by_start"][0]["name"].get<std::string>().starts_with("edge_angle error "));
@@ -67,13 +59,10 @@ TEST_F(Evaluate, SuccessRuleHasEveryCriterion) {
   const std::string task = "task: {edge_angle: {reference_deg: 90, tolerance_deg: 3}, hold: 0.1}";
   text.replace(text.find(task), task.size(), "task: {total_force: {tolerance: 0.5}, center: {tolerance_mm: 2}, hold: 0.2, travel_mm: 5}");
   std::ofstream(scene_) << text;
-  const Outcome outcome = runTaxelsim({"evaluate", scene_, "--episodes", "2"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(
-      outcome.out.find("success: in every frame of the last 0.2 s, contact, total_force within 0.5 N of the force at the start, center "
-                       "within 2 mm of the middle of the array; a path of at least 5 mm over the object\n"),
-      std::string::npos)
-      << outcome.out;
+  const Outcome outcome = succeed({"evaluate", scene_, "--episodes", "2"});
+  EXPECT_THAT(outcome.out,
+              HasSubstr("success: in every frame of the last 0.2 s, contact, total_force within 0.5 N of the force at the start, center "
+                        "within 2 mm of the middle of the array; a path of at least 5 mm over the object\n"));
 }
 
 // Stopped while the second of two controllers runs.
@@ -81,19 +70,18 @@ TEST_F(Evaluate, AnInterruptKeepsCompleteControllers) {
   const Outcome stopped = runTaxelsim({"evaluate", scene_, "--episodes", "1500", "--batch-size", "64"},
                                       {.signal = SIGINT, .signal_at = "controller fast evaluated (1 of 2)\n"});
   ASSERT_EQ(stopped.status, 130) << stopped.err;
-  EXPECT_NE(stopped.err.find("warning: stopped: 1 of 2 controllers are evaluated\n"), std::string::npos) << stopped.err;
-  EXPECT_NE(stopped.out.find("\nfast "), std::string::npos) << stopped.out;
-  EXPECT_EQ(stopped.out.find("\nnone "), std::string::npos) << stopped.out;
+  EXPECT_THAT(stopped.err, HasSubstr("warning: stopped: 1 of 2 controllers are evaluated\n"));
+  EXPECT_THAT(stopped.out, HasSubstr("\nfast "));
+  EXPECT_THAT(stopped.out, Not(HasSubstr("\nnone ")));
 }
 
 TEST_F(Evaluate, WarnsOfObjectsThatCannotCarryTheLoad) {
   std::string text = kSmallTask;
   text.replace(text.find("load: [1, 3]"), 12, "load: [1, 900]");
   std::ofstream(scene_) << text;
-  const Outcome outcome = runTaxelsim({"evaluate", scene_, "--episodes", "20", "--controller", "none"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.err.find("warning: object cylinder: load out of reach in "), std::string::npos) << outcome.err;
-  EXPECT_NE(outcome.err.find(" of its 20 episodes"), std::string::npos) << outcome.err;
+  const Outcome outcome = succeed({"evaluate", scene_, "--episodes", "20", "--controller", "none"});
+  EXPECT_THAT(outcome.err, HasSubstr("warning: object cylinder: load out of reach in "));
+  EXPECT_THAT(outcome.err, HasSubstr(" of its 20 episodes"));
 }
 
 TEST_F(Evaluate, RejectsUnknownControllersAndScenesWithoutTask) {
@@ -106,9 +94,7 @@ TEST_F(Evaluate, RejectsUnknownControllersAndScenesWithoutTask) {
 
 TEST_F(Evaluate, ConditionsOverrideTheScene) {
   std::ofstream(scene_, std::ios::app) << "conditions: {straight: {randomization: {yaw_deg: 90}}}\n";
-  const Outcome outcome = runTaxelsim({"evaluate", scene_, "--condition", "straight", "--json", "--controller", "none"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  const nlohmann::json json = nlohmann::json::parse(outcome.out);
+  const nlohmann::json json = jsonOf({"evaluate", scene_, "--condition", "straight", "--json", "--controller", "none"});
   EXPECT_EQ(json["condition"], "straight");
   EXPECT_EQ(json["controllers"][0]["total"]["success_rate"], 0);  // its edges begin across the reference
   EXPECT_EQ(runTaxelsim({"evaluate", scene_, "--condition", "straight"}).out.substr(0, 16), "small (straight)");

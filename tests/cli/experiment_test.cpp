@@ -9,6 +9,8 @@
 namespace taxelsim::testing {
 namespace {
 
+using ::testing::HasSubstr;
+
 const std::string kScenes = std::string(TAXELSIM_SOURCE_DIR) + "/scenes";
 
 // An experiment with a bar and a ball; `reference` and `sensors` are inserted as given.
@@ -41,17 +43,14 @@ TEST(ImageDistance, ByHand) {
 TEST(ExperimentStudy, FitRecoversTheReferenceSensor) {
   const TemporaryDirectory root;
   // A softer skin with another spread than the shipped sensor, from which the fit starts.
-  std::ifstream source(shipped("wts0614_soft_cover"));
-  std::string text((std::istreambuf_iterator<char>(source)), {});
+  std::string text = contentOf(shipped("wts0614_soft_cover"));
   const auto replace = [&](const std::string& from, const std::string& to) { text.replace(text.find(from), from.size(), to); };
   replace("normal_contact_stiffness: 1.73e8", "normal_contact_stiffness: 0.70e8");
   replace("sigma: 0.5", "sigma: 0.7");
   written(root, "soft.yaml", text);
   const std::filesystem::path file = written(
       root, "x.yaml", experimentText("soft.yaml", "[{sensor: " + shipped("wts0614_soft_cover") + ", fitted: true}, {sensor: soft.yaml}]"));
-  const Outcome outcome = runTaxelsim({"experiment", file, "--json"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  const nlohmann::json json = nlohmann::json::parse(outcome.out);
+  const nlohmann::json json = jsonOf({"experiment", file, "--json"});
   const nlohmann::json& fitted = json["sensors"][0];
   constexpr double kFound = 0.02;  // size of the simplex after its evaluations, of the logarithms
   EXPECT_EQ(fitted["sensor"], "wts0614_soft_cover_fitted");
@@ -73,15 +72,14 @@ TEST(Experiment, TableAndPictures) {
       written(root, "x.yaml",
               experimentText(shipped("wts0614_soft_cover"),
                              "[{sensor: " + shipped("wts0614_deformation_mask") + "}, {sensor: " + shipped("wts0614_proximity") + "}]"));
-  const Outcome outcome = runTaxelsim({"experiment", file, "-o", root / "figures"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("wts0614_deformation_mask"), std::string::npos);
-  EXPECT_NE(outcome.out.find("M4"), std::string::npos);
-  EXPECT_NE(outcome.out.find("Reference: images of wts0614_soft_cover, simulated by the law winkler"), std::string::npos) << outcome.out;
-  EXPECT_NE(outcome.out.find("medians over the\ncontacts of ball, bar\n"), std::string::npos) << "no fit, so all count: " << outcome.out;
-  EXPECT_NE(outcome.out.find("\nall-zero image "), std::string::npos) << outcome.out;
-  EXPECT_NE(outcome.out.find("\nuniform image "), std::string::npos) << outcome.out;
-  EXPECT_NE(outcome.err.find("info: wrote 4 figures to " + (root / "figures").string()), std::string::npos) << outcome.err;
+  const Outcome outcome = succeed({"experiment", file, "-o", root / "figures"});
+  EXPECT_THAT(outcome.out, HasSubstr("wts0614_deformation_mask"));
+  EXPECT_THAT(outcome.out, HasSubstr("M4"));
+  EXPECT_THAT(outcome.out, HasSubstr("Reference: images of wts0614_soft_cover, simulated by the law winkler"));
+  EXPECT_THAT(outcome.out, HasSubstr("medians over the\ncontacts of ball, bar\n")) << "no fit, so all count: " << outcome.out;
+  EXPECT_THAT(outcome.out, HasSubstr("\nall-zero image "));
+  EXPECT_THAT(outcome.out, HasSubstr("\nuniform image "));
+  EXPECT_THAT(outcome.err, HasSubstr("info: wrote 4 figures to " + (root / "figures").string()));
   for (const char* name : {"bar_1N.png", "bar_4N.png", "ball_1N.png", "ball_4N.png"}) {
     EXPECT_TRUE(contentOf(root / "figures" / name).starts_with("\x89PNG")) << name;
   }
@@ -92,9 +90,7 @@ TEST(Experiment, OfFingertips) {
   const std::filesystem::path file = written(
       root, "x.yaml",
       experimentText(shipped("fingertip_cylinder"), "[{sensor: " + shipped("fingertip_cylinder") + "}]", "yaw_deg: [0]\nloads: [1]\n"));
-  const Outcome outcome = runTaxelsim({"experiment", file, "-o", root / "figures", "--json"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  const nlohmann::json json = nlohmann::json::parse(outcome.out);
+  const nlohmann::json json = jsonOf({"experiment", file, "-o", root / "figures", "--json"});
   for (const auto& contact : json["sensors"][0]["contacts"]) EXPECT_EQ(contact["relative_l1"], 0);
   ASSERT_EQ(json["baselines"].size(), 2u);
   const nlohmann::json &zero = json["baselines"][0]["medians"][0], &uniform = json["baselines"][1]["medians"][0];
@@ -105,17 +101,14 @@ TEST(Experiment, OfFingertips) {
   EXPECT_TRUE(contentOf(root / "figures" / "bar_1N.png").starts_with("\x89PNG"));
   written(root, "x.yaml",
           experimentText(shipped("digitacts_6x4"), "[{sensor: " + shipped("digitacts_6x4") + "}]", "yaw_deg: [0]\nloads: [1]\n"));
-  const Outcome none = runTaxelsim({"experiment", file, "-o", root / "none"});
-  EXPECT_EQ(none.status, 0) << none.err;
-  EXPECT_NE(none.err.find("warning: no figures: a sensor with several grids cannot be drawn"), std::string::npos) << none.err;
+  const Outcome none = succeed({"experiment", file, "-o", root / "none"});
+  EXPECT_THAT(none.err, HasSubstr("warning: no figures: a sensor with several grids cannot be drawn"));
   written(root, "x.yaml", experimentText(shipped("fingertip_cylinder"), "[{sensor: " + shipped("fingertip_cylinder") + ", fitted: true}]"));
   expectRefused(runTaxelsim({"experiment", file}), "only sensors whose point spread function is a kernel over grids can be fitted");
 }
 
 TEST(ExperimentStudy, EveryImageOfTheShippedOneHasActiveTaxels) {
-  const Outcome outcome = runTaxelsim({"experiment", kScenes + "/experiments/paper/static_indenters.yaml", "--json"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  const nlohmann::json json = nlohmann::json::parse(outcome.out);
+  const nlohmann::json json = jsonOf({"experiment", kScenes + "/experiments/paper/static_indenters.yaml", "--json"});
   std::size_t num_images = 0;
   for (const auto& sensor : json["sensors"]) {
     for (const auto& contact : sensor["contacts"]) {
@@ -136,15 +129,14 @@ TEST(Experiment, CalibrationTablesAndPicture) {
                   "]\npin_radius_mm: 1.5\ntaxels: [39, 0]\nplaces: 3\ndepths_mm: [0.5, 1]\nloads: "
                   "[0.5, 1000]\nmeasured:\n  force_at_depth: [{depth_mm: 1, force: 2}]\n  "
                   "counts_at_force: [{force: 0.5, counts: 700}, {force: 1000, counts: 800}]\n");
-  const Outcome outcome = runTaxelsim({"experiment", file, "-o", root / "figures"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const Outcome outcome = succeed({"experiment", file, "-o", root / "figures"});
   const auto has = [&](const char* part) { EXPECT_NE(outcome.out.find(part), std::string::npos) << part << "\n" << outcome.out; };
   has("pin: a flat pin of 3 mm diameter on 9 places of taxel 39 and in the middles of 2 taxels\n");
   has("\nwts0614_soft_cover                       1      2.00      ");
   has("\nwts0614_soft_cover                     0.5       700       ");
   has("\nwts0614_soft_cover                    1000       800         -         -         -         -\n");
   has("\nwts0614_soft_cover: 2 of 4 presses on the middles of taxels do not reach their load");
-  EXPECT_NE(outcome.err.find("info: wrote 1 figure to " + (root / "figures").string()), std::string::npos) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("info: wrote 1 figure to " + (root / "figures").string()));
   EXPECT_TRUE(contentOf(root / "figures" / "calibration.png").starts_with("\x89PNG"));
   const Outcome json_outcome = runTaxelsim({"experiment", file, "--json"});
   const nlohmann::json json = nlohmann::json::parse(json_outcome.out);
@@ -182,10 +174,9 @@ TEST(Experiment, Refusals) {
 
 // Without the recordings the experiment is skipped, with one line and no error; no device is needed.
 TEST(Experiment, SkipsRecordingsThatAreNotThere) {
-  const Outcome outcome = runTaxelsim({"experiment", kScenes + "/experiments/recordings/tams.yaml", "--device", "none"});
-  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const Outcome outcome = succeed({"experiment", kScenes + "/experiments/recordings/tams.yaml", "--device", "none"});
   EXPECT_EQ(outcome.out, "");
-  EXPECT_THAT(outcome.err, ::testing::HasSubstr("tams: skipped, no recordings: "));
+  EXPECT_THAT(outcome.err, HasSubstr("tams: skipped, no recordings: "));
 }
 
 TEST(Experiment, PredictsRecordingsInAFolder) {
@@ -198,19 +189,16 @@ TEST(Experiment, PredictsRecordingsInAFolder) {
   const std::string common =
       "common: {measurement: force_curve, sensor: {name: s, num_rows: 1, num_cols: 1, pitch_mm: 3, skin: {thickness_mm: 1, "
       "normal_contact_stiffness: 1e8}, readout: {curve: {counts_per_newton: 1000}}}}\n";
-  const Outcome outcome = runTaxelsim({"experiment", written(root, "x.yaml", head + common + "recordings: [{table: a.csv}]\n")});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, ::testing::HasSubstr("a, first part"));
+  const Outcome outcome = succeed({"experiment", written(root, "x.yaml", head + common + "recordings: [{table: a.csv}]\n")});
+  EXPECT_THAT(outcome.out, HasSubstr("a, first part"));
   // A table that is not there is named in one line; the others are run.
-  const Outcome some = runTaxelsim(
-      {"experiment", written(root, "x.yaml", head + common + "recordings: [{table: b.csv}, {table: a.csv}, {table: c.csv}]\n")});
-  EXPECT_EQ(some.status, 0);
+  const Outcome some =
+      succeed({"experiment", written(root, "x.yaml", head + common + "recordings: [{table: b.csv}, {table: a.csv}, {table: c.csv}]\n")});
   EXPECT_EQ(some.out.substr(0, some.out.find("longest")), outcome.out.substr(0, outcome.out.find("longest")));
-  EXPECT_THAT(some.err, ::testing::HasSubstr("/data has no b.csv and 1 more of the tables"));
-  const Outcome none = runTaxelsim({"experiment", written(root, "x.yaml", head + common + "recordings: [{table: b.csv}]\n")});
-  EXPECT_EQ(none.status, 0);
+  EXPECT_THAT(some.err, HasSubstr("/data has no b.csv and 1 more of the tables"));
+  const Outcome none = succeed({"experiment", written(root, "x.yaml", head + common + "recordings: [{table: b.csv}]\n")});
   EXPECT_EQ(none.out, "");
-  EXPECT_THAT(none.err, ::testing::HasSubstr("mine: skipped, no recordings: "));
+  EXPECT_THAT(none.err, HasSubstr("mine: skipped, no recordings: "));
   const auto refused = [&](const std::string& text, const std::string& part) {
     expectRefused(runTaxelsim({"experiment", written(root, "x.yaml", text)}), part);
   };

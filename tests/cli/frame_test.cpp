@@ -8,6 +8,9 @@
 namespace taxelsim::testing {
 namespace {
 
+using ::testing::HasSubstr;
+using ::testing::Not;
+
 const std::string kSensor = std::string(TAXELSIM_SOURCE_DIR) + "/scenes/sensors/wts0614_soft_cover.yaml";
 constexpr double kStiffness = 1.73e8;  // N/m^3, scenes/sensors/wts0614_soft_cover.yaml
 
@@ -18,9 +21,7 @@ std::vector<std::string> frame(const std::string& object, const std::string& pos
 }
 
 TEST(Frame, SphereOnAnElasticFoundation) {
-  const Outcome outcome = runTaxelsim(frame("sphere:0.01", "0 0 0.009 1 0 0 0", {"--json"}));
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  const nlohmann::json json = nlohmann::json::parse(outcome.out);
+  const nlohmann::json json = jsonOf(frame("sphere:0.01", "0 0 0.009 1 0 0 0", {"--json"}));
   // F = pi k d^2 (R - d/3); a = 4.4 mm is 5 samples of 0.85 mm, of which the sum is within 1 % (measured worst over offsets).
   constexpr double kSamplingError = 0.01;
   const double force = std::numbers::pi * kStiffness * 1e-6 * (0.01 - 1e-3 / 3);
@@ -37,8 +38,7 @@ TEST(Frame, SphereOnAnElasticFoundation) {
 
 // An angle of a right angle is 1.5707964 in float32, of which double arithmetic shows more digits.
 TEST(Frame, NumbersOfJsonAreTheShortestOfAFloat) {
-  const Outcome outcome = runTaxelsim(frame("cylinder:0.004,0.1", "0.0013 0.002 0.0034 0.70710678 0.70710678 0 0", {"--json"}));
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const Outcome outcome = succeed(frame("cylinder:0.004,0.1", "0.0013 0.002 0.0034 0.70710678 0.70710678 0 0", {"--json"}));
   int num_fractions = 0;
   for (std::size_t at = outcome.out.find_first_of("0123456789"); at != std::string::npos;
        at = outcome.out.find_first_of("0123456789", at)) {
@@ -67,9 +67,7 @@ TEST(Frame, NumbersOfJsonAreTheShortestOfAFloat) {
 TEST(Frame, ContactsAreToldApart) {
   std::vector<std::string> command = frame("cylinder:0.004,0.008", "0.002 -0.015 0.0034 0.70710678 0 0.70710678 0", {"--json"});
   command.insert(command.end(), {"--object", "sphere:0.006", "--pose", "-0.001 0.014 0.0055 1 0 0 0"});
-  const Outcome outcome = runTaxelsim(command);
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  const nlohmann::json json = nlohmann::json::parse(outcome.out);
+  const nlohmann::json json = jsonOf(command);
   for (const nlohmann::json& contact : {json["contact"], json["ground_truth"]["contact"]}) {
     EXPECT_EQ(contact["num_regions"], 2);
     ASSERT_EQ(contact["regions"].size(), 2u);
@@ -90,9 +88,7 @@ TEST(Frame, ATiltedFaceIsSeen) {
   constexpr double kAngle = 0.01, kSlack = 2.6e-2 * kAngle;  // rad
   const double half = kAngle / 2;
   const std::string pose = "0 0 -0.0007 1 " + std::to_string(half) + " 0 0";
-  const Outcome outcome = runTaxelsim(frame("half_space", pose, {"--json"}));
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  const nlohmann::json contact = nlohmann::json::parse(outcome.out)["ground_truth"]["contact"];
+  const nlohmann::json contact = jsonOf(frame("half_space", pose, {"--json"}))["ground_truth"]["contact"];
   EXPECT_NEAR(contact["sensor"]["tilt"][0].get<double>(), kAngle, kSlack);
   EXPECT_NEAR(contact["sensor"]["tilt"][1].get<double>(), 0, kSlack);
   EXPECT_GT(contact["sensor"]["tilt_confidence"].get<double>(), 0.95);
@@ -101,9 +97,7 @@ TEST(Frame, ATiltedFaceIsSeen) {
 TEST(Frame, LoadIsCarried) {
   for (const char* object : {"sphere:0.01", "cylinder:0.008,0.04", "box:0.01,0.02,0.01", "half_space", "cone:0.01,0.005",
                              "torus:0.01,0.003", "capsule:0.005,0.02"}) {
-    const Outcome outcome = runTaxelsim(frame(object, "0.001 0.002 0.05 1 0 0 0", {"--load", "1.5", "--json"}));
-    ASSERT_EQ(outcome.status, 0) << object << ": " << outcome.err;
-    const nlohmann::json json = nlohmann::json::parse(outcome.out);
+    const nlohmann::json json = jsonOf(frame(object, "0.001 0.002 0.05 1 0 0 0", {"--load", "1.5", "--json"}));
     EXPECT_NEAR(json["ground_truth"]["total_force"].get<double>(), 1.5, 1.5e-3) << object;  // 0.1 %
   }
 }
@@ -118,8 +112,7 @@ TEST(Frame, RollPitchYawIsARotation) {
   const auto angle = [](const std::vector<std::string>& more) {
     std::vector<std::string> command{"frame", "--sensor", kSensor, "--object", "cylinder:0.008,0.06", "--json", "--pose"};
     command.insert(command.end(), more.begin(), more.end());
-    const Outcome outcome = runTaxelsim(command);
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    const Outcome outcome = succeed(command);
     return nlohmann::json::parse(outcome.out)["ground_truth"]["edge_angle"].get<double>();
   };
   // Roll lays the cylinder along y, then yaw turns it by 30 degrees: its axis is at 90 + 30 degrees from x.
@@ -129,12 +122,10 @@ TEST(Frame, RollPitchYawIsARotation) {
 
 TEST(Frame, WithALoadThePoseHasADefault) {
   const Outcome given = runTaxelsim(frame("sphere:0.01", "0 0 0.01", {"--load", "2", "--json"}));
-  const Outcome omitted = runTaxelsim({"frame", "--sensor", kSensor, "--object", "sphere:0.01", "--load", "2", "--json"});
-  ASSERT_EQ(omitted.status, 0) << omitted.err;
+  const Outcome omitted = succeed({"frame", "--sensor", kSensor, "--object", "sphere:0.01", "--load", "2", "--json"});
   EXPECT_EQ(omitted.out, given.out);
   const Outcome turned =
-      runTaxelsim({"frame", "--sensor", kSensor, "--object", "cylinder:0.004,0.02", "--rpy-deg", "90 0 0", "--load", "2", "--json"});
-  ASSERT_EQ(turned.status, 0) << turned.err;
+      succeed({"frame", "--sensor", kSensor, "--object", "cylinder:0.004,0.02", "--rpy-deg", "90 0 0", "--load", "2", "--json"});
   EXPECT_NEAR(nlohmann::json::parse(turned.out)["ground_truth"]["total_force"].get<double>(), 2, 2e-3);
 }
 
@@ -150,8 +141,7 @@ class FrameOfACubeInMillimetres : public ::testing::Test {
 };
 
 TEST_F(FrameOfACubeInMillimetres, IsScaledAndTurned) {
-  const Outcome mesh = runTaxelsim(frame(file_, "0 0 -0.0005", {"--scale", "0.001", "--up-axis", "y", "--json"}));
-  ASSERT_EQ(mesh.status, 0) << mesh.err;
+  const Outcome mesh = succeed(frame(file_, "0 0 -0.0005", {"--scale", "0.001", "--up-axis", "y", "--json"}));
   EXPECT_EQ(mesh.err, "");
   const Outcome box = runTaxelsim(frame("box:0.02,0.02,0.02", "0 0 0.0095", {"--json"}));
   const auto truth = [](const Outcome& outcome) { return nlohmann::json::parse(outcome.out)["ground_truth"]; };
@@ -159,52 +149,44 @@ TEST_F(FrameOfACubeInMillimetres, IsScaledAndTurned) {
 }
 
 TEST_F(FrameOfACubeInMillimetres, IsWarnedAboutWithoutAScale) {
-  const Outcome outcome = runTaxelsim(frame(file_, "0 0 0"));
-  EXPECT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.err.find("warning: " + file_ + ": the mesh is 20 m long; is the file in millimetres? scale: 0.001\n"),
-            std::string::npos)
-      << outcome.err;
+  const Outcome outcome = succeed(frame(file_, "0 0 0"));
+  EXPECT_THAT(outcome.err, HasSubstr("warning: " + file_ + ": the mesh is 20 m long; is the file in millimetres? scale: 0.001\n"));
   expectRefused(runTaxelsim(frame(file_, "0 0 0", {"--scale", "0"})), "scale: 0 is not allowed");
   expectRefused(runTaxelsim(frame(file_, "0 0 0", {"--up-axis", "w"})), "--up-axis");
   expectRefused(runTaxelsim(frame("sphere:0.01", "0 0 0", {"--scale", "0.001"})), "--scale and --up-axis belong to mesh files");
 }
 
 TEST(Frame, SizesInMillimetresAreWarnedAbout) {
-  const Outcome outcome = runTaxelsim(frame("sphere:3", "0 0 2.999"));
-  EXPECT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.err.find("object 'sphere:3' is 6 m long; are its sizes in millimetres?"), std::string::npos) << outcome.err;
+  const Outcome outcome = succeed(frame("sphere:3", "0 0 2.999"));
+  EXPECT_THAT(outcome.err, HasSubstr("object 'sphere:3' is 6 m long; are its sizes in millimetres?"));
   const TemporaryDirectory root;
   std::string text = contentOf(kSensor);
   text.replace(text.find("pitch_mm: 3.4"), 13, "pitch: 3.4   ");
   std::ofstream(root / "s.yaml") << text;
-  const Outcome pitch = runTaxelsim({"frame", "--sensor", root / "s.yaml", "--object", "sphere:0.01", "--pose", "0 0 0.0095"});
-  EXPECT_EQ(pitch.status, 0) << pitch.err;
-  EXPECT_NE(pitch.err.find(":9:8: pitch: 3.4 m between taxels; is it in millimetres? pitch_mm"), std::string::npos) << pitch.err;
+  const Outcome pitch = succeed({"frame", "--sensor", root / "s.yaml", "--object", "sphere:0.01", "--pose", "0 0 0.0095"});
+  EXPECT_THAT(pitch.err, HasSubstr(":9:8: pitch: 3.4 m between taxels; is it in millimetres? pitch_mm"));
 }
 
 TEST(Frame, WarnsOfOverPenetration) {
-  const Outcome deep = runTaxelsim(frame("sphere:0.01", "0 0 0.005"));
-  EXPECT_EQ(deep.status, 0) << deep.err;
-  EXPECT_NE(deep.err.find("warning: over-penetration: "), std::string::npos) << deep.err;
-  EXPECT_NE(deep.err.find("deeper than the skin is thick (2 mm)"), std::string::npos) << deep.err;
+  const Outcome deep = succeed(frame("sphere:0.01", "0 0 0.005"));
+  EXPECT_THAT(deep.err, HasSubstr("warning: over-penetration: "));
+  EXPECT_THAT(deep.err, HasSubstr("deeper than the skin is thick (2 mm)"));
   EXPECT_EQ(runTaxelsim(frame("sphere:0.01", "0 0 0.0095")).err, "");
 }
 
 // The windowed edge angle of this image is float32 -pi/2, which is below -pi/2.
 TEST(Frame, AnglesOfAxesAreShownAboveMinusARightAngle) {
-  const Outcome outcome = runTaxelsim(frame("half_space", "0 0 -0.0005"));
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("edge_angle               rad     1.5708 "), std::string::npos) << outcome.out;
-  EXPECT_EQ(outcome.out.find("-1.5708"), std::string::npos) << outcome.out;
+  const Outcome outcome = succeed(frame("half_space", "0 0 -0.0005"));
+  EXPECT_THAT(outcome.out, HasSubstr("edge_angle               rad     1.5708 "));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("-1.5708")));
 }
 
 TEST(Frame, PictureAndText) {
   const TemporaryDirectory root;
-  const Outcome outcome = runTaxelsim(frame("cylinder:0.008,0.06", "0 0 0.0075 0.7071068 0.7071068 0 0", {"--png", root / "frame.png"}));
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const Outcome outcome = succeed(frame("cylinder:0.008,0.06", "0 0 0.0075 0.7071068 0.7071068 0 0", {"--png", root / "frame.png"}));
   EXPECT_TRUE(contentOf(root / "frame.png").starts_with("\x89PNG"));
   EXPECT_EQ(outcome.err, "info: wrote " + (root / "frame.png").string() + "\n");
-  EXPECT_NE(outcome.out.find("edge_angle"), std::string::npos);
+  EXPECT_THAT(outcome.out, HasSubstr("edge_angle"));
 }
 
 class FrameOfContacts : public ::testing::Test {

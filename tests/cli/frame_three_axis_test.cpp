@@ -15,8 +15,7 @@ class ThreeAxisFrame : public ::testing::Test {
  protected:
   // The shipped sensor without noise and hysteresis: its counts are the rounded product of the gain matrix and the force.
   ThreeAxisFrame() {
-    std::ifstream shipped(kSensors + "uskin_like_4x4.yaml");
-    std::string text(std::istreambuf_iterator<char>(shipped), {});
+    std::string text = contentOf(kSensors + "uskin_like_4x4.yaml");
     for (const char* const error : {"noise: [3, 3, 3]", "hysteresis_strength: [0.3, 0.3, 0.3]"}) {
       const std::size_t at = text.find(error);
       if (at == std::string::npos) throw std::logic_error(error);
@@ -100,10 +99,8 @@ TEST(FrameSlide, RefusesWhatIsNoSlide) {
 }
 
 TEST(FrameSlide, ASkinWithoutFrictionHasNoShear) {
-  const Outcome outcome = runTaxelsim({"frame", "--sensor", kSensors + "wts0614_soft_cover.yaml", "--object", "sphere:0.01", "--load", "1",
-                                       "--slide", "0.001 0", "--json"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  const nlohmann::json json = nlohmann::json::parse(outcome.out);
+  const nlohmann::json json = jsonOf({"frame", "--sensor", kSensors + "wts0614_soft_cover.yaml", "--object", "sphere:0.01", "--load", "1",
+                                      "--slide", "0.001 0", "--json"});
   EXPECT_FALSE(json.contains("taxel_counts"));
   EXPECT_EQ(json["ground_truth"]["contact_wrench"][0].get<double>(), 0);
   EXPECT_NEAR(json["ground_truth"]["center_of_pressure"][0].get<double>(), 1e-3, 1e-4) << "m: the sphere has moved";

@@ -7,6 +7,9 @@
 namespace taxelsim::testing {
 namespace {
 
+using ::testing::HasSubstr;
+using ::testing::Not;
+
 const std::string kSensor = std::string(TAXELSIM_SOURCE_DIR) + "/scenes/sensors/wts0614_soft_cover.yaml";
 const std::string kObjects = std::string(TAXELSIM_SOURCE_DIR) + "/scenes/objects/";
 
@@ -25,18 +28,7 @@ std::string writeScene(const std::string& file, int num_steps = 12) {
   return file;
 }
 
-// All files of a data set by name, without the lock.
-std::map<std::string, std::string> filesOf(const std::string& directory) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : std::filesystem::directory_iterator(directory)) {
-    if (entry.path().filename().string().find("lock") == std::string::npos)
-      files[entry.path().filename().string()] = contentOf(entry.path());
-  }
-  return files;
-}
-
-void expectSame(const std::map<std::string, std::string>& files, const std::map<std::string, std::string>& expected,
-                const std::string& what) {
+void expectSame(const Files& files, const Files& expected, const std::string& what) {
   ASSERT_EQ(files.size(), expected.size()) << what;
   for (const auto& [name, bytes] : expected) {
     ASSERT_TRUE(files.contains(name)) << what << ": " << name;
@@ -47,11 +39,10 @@ void expectSame(const std::map<std::string, std::string>& files, const std::map<
 TEST(Generate, SameBytesForAnyBatchSize) {
   const TemporaryDirectory root;
   const std::string scene = writeScene(root / "scene.yaml");
-  std::map<std::string, std::string> expected;
+  Files expected;
   for (const int batch_size : {1, 7, 256, 4096}) {
     const std::string out = root / ("out" + std::to_string(batch_size));
-    const Outcome outcome = runTaxelsim({"generate", scene, "-o", out, "--batch-size", std::to_string(batch_size)});
-    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    succeed({"generate", scene, "-o", out, "--batch-size", std::to_string(batch_size)});
     if (expected.empty()) expected = filesOf(out);
     EXPECT_EQ(expected.size(), 14u) << "five shards and a view with their checksums, a manifest, a list of checksums";
     expectSame(filesOf(out), expected, "batch size " + std::to_string(batch_size));
@@ -63,7 +54,7 @@ TEST(Generate, SameBytesAfterBeingKilledTenTimes) {
   const std::string scene = writeScene(root / "scene.yaml", 150);
   const std::vector<std::string> whole{"generate", scene, "-o", root / "whole", "--batch-size", "8"};
   const auto start = std::chrono::steady_clock::now();
-  ASSERT_EQ(runTaxelsim(whole).status, 0);
+  succeed(whole);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const std::vector<std::string> killed{"generate", scene, "-o", root / "killed", "--batch-size", "8"};
   std::mt19937 random(5);
@@ -86,7 +77,7 @@ TEST(Generate, SameBytesAfterBeingKilledTenTimes) {
     }
   }
   EXPECT_EQ(num_killed, kKills);
-  ASSERT_EQ(runTaxelsim(killed).status, 0);
+  succeed(killed);
   expectSame(filesOf(root / "killed"), filesOf(root / "whole"), "after the kills");
 }
 
@@ -96,7 +87,7 @@ TEST(Generate, AnInterruptLeavesWholeShardsAndAResumableSet) {
   const std::vector<std::string> command{"generate", scene, "-o", root / "out", "--batch-size", "8"};
   const Outcome stopped = runTaxelsim(command, {.signal = SIGINT, .signal_after = 0.6});
   ASSERT_EQ(stopped.status, 130) << stopped.err;
-  ASSERT_EQ(runTaxelsim(command).status, 0);
+  succeed(command);
   ASSERT_EQ(runTaxelsim({"generate", scene, "-o", root / "whole"}).status, 0);
   expectSame(filesOf(root / "out"), filesOf(root / "whole"), "after the interrupt");
 }
@@ -105,22 +96,21 @@ TEST(Generate, RepairsABrokenShard) {
   const TemporaryDirectory root;
   const std::string scene = writeScene(root / "scene.yaml");
   const std::vector<std::string> command{"generate", scene, "-o", root / "out"};
-  ASSERT_EQ(runTaxelsim(command).status, 0);
+  succeed(command);
   const auto whole = filesOf(root / "out");
   std::ofstream(root / "out/shard-000001.h5", std::ios::app) << "x";
   EXPECT_EQ(runTaxelsim(command).status, 2);
   std::vector<std::string> repair = command;
   repair.emplace_back("--repair");
-  const Outcome outcome = runTaxelsim(repair);
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.err.find("the shard is removed and made again"), std::string::npos) << outcome.err;
+  const Outcome outcome = succeed(repair);
+  EXPECT_THAT(outcome.err, HasSubstr("the shard is removed and made again"));
   expectSame(filesOf(root / "out"), whole, "after the repair");
 }
 
 TEST(Generate, AnotherSceneOrSeedIsRefused) {
   const TemporaryDirectory root;
   const std::string scene = writeScene(root / "scene.yaml");
-  ASSERT_EQ(runTaxelsim({"generate", scene, "-o", root / "out"}).status, 0);
+  succeed({"generate", scene, "-o", root / "out"});
   const auto before = filesOf(root / "out");
   expectRefused(runTaxelsim({"--log-level", "error", "generate", scene, "-o", root / "out", "--seed", "4"}), "seed");
   expectRefused(runTaxelsim({"--log-level", "error", "generate", writeScene(root / "other.yaml", 13), "-o", root / "out"}),
@@ -131,18 +121,17 @@ TEST(Generate, AnotherSceneOrSeedIsRefused) {
 TEST(Generate, AGrownDataSetHasTheBytesOfOneMadeAtOnce) {
   const TemporaryDirectory root;
   const std::string scene = writeScene(root / "scene.yaml");
-  ASSERT_EQ(runTaxelsim({"generate", scene, "-o", root / "whole"}).status, 0);
-  ASSERT_EQ(runTaxelsim({"generate", scene, "-o", root / "grown", "--episodes", "16"}).status, 0);
-  const Outcome outcome = runTaxelsim({"generate", scene, "-o", root / "grown", "--episodes", "36"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("36 episodes (16 found on disk)"), std::string::npos) << outcome.out;
+  succeed({"generate", scene, "-o", root / "whole"});
+  succeed({"generate", scene, "-o", root / "grown", "--episodes", "16"});
+  const Outcome outcome = succeed({"generate", scene, "-o", root / "grown", "--episodes", "36"});
+  EXPECT_THAT(outcome.out, HasSubstr("36 episodes (16 found on disk)"));
   expectSame(filesOf(root / "grown"), filesOf(root / "whole"), "16, then 36 episodes");
 }
 
 TEST(Generate, ADataSetWithAPartialShardCannotGrow) {
   const TemporaryDirectory root;
   const std::string scene = writeScene(root / "scene.yaml");
-  ASSERT_EQ(runTaxelsim({"generate", scene, "-o", root / "out", "--episodes", "12"}).status, 0);
+  succeed({"generate", scene, "-o", root / "out", "--episodes", "12"});
   expectRefused(runTaxelsim({"--log-level", "error", "generate", scene, "-o", root / "out", "--episodes", "36"}), "shard-000001.h5");
 }
 
@@ -159,26 +148,22 @@ TEST(Generate, WarnsOfObjectsThatCannotCarryTheLoad) {
   std::ofstream(root / "scene.yaml") << "format_version: 1\nname: heavy\nkind: contacts\nsensor: " << kSensor
                                      << "\nobjects: [{name: ball, sphere: {radius_mm: 5}}, {half_space: {}}]\n"
                                      << "randomization: {load: 100}\ndata_set: {episodes: 30, seed: 1}\n";
-  const Outcome outcome = runTaxelsim({"generate", root / "scene.yaml", "-o", root / "out"});
-  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const Outcome outcome = succeed({"generate", root / "scene.yaml", "-o", root / "out"});
   // The ball carries at most pi k d^2 (R - d/3) at d = 2 mm, 9.4 N; the plane carries 100 N.
-  EXPECT_NE(outcome.err.find("warning: object ball: load out of reach in "), std::string::npos) << outcome.err;
-  EXPECT_NE(outcome.err.find("pressed through the skin, it carried "), std::string::npos) << outcome.err;
-  EXPECT_EQ(outcome.err.find("object half_space"), std::string::npos) << outcome.err;
-  EXPECT_EQ(outcome.out.find("out of reach"), std::string::npos) << outcome.out;
+  EXPECT_THAT(outcome.err, HasSubstr("warning: object ball: load out of reach in "));
+  EXPECT_THAT(outcome.err, HasSubstr("pressed through the skin, it carried "));
+  EXPECT_THAT(outcome.err, Not(HasSubstr("object half_space")));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("out of reach")));
 }
 
 TEST(Generate, WarnsOfSizesInMillimetres) {
   const TemporaryDirectory root;
   std::ofstream(root / "scene.yaml") << "format_version: 1\nname: large\nkind: contacts\nsensor: " << kSensor
                                      << "\nobjects: [{sphere: {radius: 3}}]\nrandomization: {load: 1}\ndata_set: {episodes: 1}\n";
-  const Outcome outcome = runTaxelsim({"generate", root / "scene.yaml", "-o", root / "out"});
-  EXPECT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(
-      outcome.err.find("scene.yaml:5:20: objects[0].sphere: the object is 6 m long; are its sizes in millimetres? Give them by keys that "
-                       "end in _mm\n"),
-      std::string::npos)
-      << outcome.err;
+  const Outcome outcome = succeed({"generate", root / "scene.yaml", "-o", root / "out"});
+  EXPECT_THAT(outcome.err,
+              HasSubstr("scene.yaml:5:20: objects[0].sphere: the object is 6 m long; are its sizes in millimetres? Give them by keys that "
+                        "end in _mm\n"));
 }
 
 TEST(Generate, WithoutADriverOneLineNamesThePackageToInstall) {
@@ -186,8 +171,8 @@ TEST(Generate, WithoutADriverOneLineNamesThePackageToInstall) {
   const Outcome outcome = runTaxelsim({"generate", writeScene(root / "scene.yaml"), "-o", root / "out"},
                                       {.environment = {"VK_ICD_FILENAMES=/nonexistent.json", "VK_DRIVER_FILES=/nonexistent.json"}});
   EXPECT_EQ(outcome.status, 1);
-  EXPECT_NE(outcome.err.find("taxelsim: "), std::string::npos) << outcome.err;
-  EXPECT_NE(outcome.err.find("mesa-vulkan-drivers"), std::string::npos) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("taxelsim: "));
+  EXPECT_THAT(outcome.err, HasSubstr("mesa-vulkan-drivers"));
 }
 
 }  // namespace

@@ -14,6 +14,8 @@
 namespace taxelsim::testing {
 namespace {
 
+using ::testing::HasSubstr;
+
 constexpr auto kPeriod = std::chrono::milliseconds(5);
 
 struct ProcessStatus {
@@ -58,13 +60,6 @@ std::vector<pid_t> processesOf(const RunningTaxelsim& program, std::size_t num_p
 // Returns when a process has ended. The test's limit of time ends the wait for one that does not.
 void waitForEnd(pid_t process) {
   for (char state = 'R'; state != 'X' && state != 'Z'; state = statusOf(process).state) std::this_thread::sleep_for(kPeriod);
-}
-
-std::map<std::string, std::string> filesOf(const std::string& directory) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : std::filesystem::directory_iterator(directory))
-    files[entry.path().filename().string()] = contentOf(entry.path());
-  return files;
 }
 
 std::size_t numShards(const std::string& directory) {
@@ -114,18 +109,16 @@ class Processes : public ::testing::Test {
 };
 
 TEST_F(Processes, GiveTheBytesAndTheTableOfOne) {
-  const Outcome one = runTaxelsim(generating("one", {}));
-  ASSERT_EQ(one.status, 0) << one.err;
+  const Outcome one = succeed(generating("one", {}));
   EXPECT_EQ(count(one.err, "load out of reach"), 1u) << one.err;
   const Outcome table = runTaxelsim(evaluating({"--json"}));
   for (const std::string number : {"1", "3"}) {
-    const Outcome several = runTaxelsim(generating(number, {"--processes", number}));
-    EXPECT_EQ(several.status, 0) << several.err;
+    const Outcome several = succeed(generating(number, {"--processes", number}));
     EXPECT_EQ(filesOf(root_ / number), filesOf(root_ / "one"));
     EXPECT_EQ(warningsIn(several.err), warningsIn(one.err)) << "loads out of reach of all processes together";
     EXPECT_EQ(count(several.err, "40 of 40 episodes"), 1u) << "one line of progress: " << several.err;
     EXPECT_EQ(count(several.err, "40 episodes on "), 1u) << several.err;
-    EXPECT_NE(several.out.find(": 40 episodes (0 found on disk), 2,400 frames simulated"), std::string::npos) << several.out;
+    EXPECT_THAT(several.out, HasSubstr(": 40 episodes (0 found on disk), 2,400 frames simulated"));
     EXPECT_EQ(runTaxelsim(evaluating({"--json", "--processes", number})).out, table.out);
   }
 }
@@ -134,46 +127,43 @@ TEST_F(Processes, GiveTheBytesAndTheTableOfOneForGrasps) {
   const std::string grasp = TAXELSIM_SOURCE_DIR "/scenes/gripper_grasp.yaml";
   for (const std::string number : {"1", "2"}) {
     const Outcome outcome =
-        runTaxelsim({"--log-level", "warning", "generate", grasp, "-o", root_ / number, "--episodes", "33", "--processes", number});
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
+        succeed({"--log-level", "warning", "generate", grasp, "-o", root_ / number, "--episodes", "33", "--processes", number});
     EXPECT_EQ(outcome.err, "");
   }
   EXPECT_EQ(filesOf(root_ / "2"), filesOf(root_ / "1"));
   const std::vector<std::string> words{"evaluate", grasp, "--episodes", "5", "--gain", "5", "--gain", "20", "--json"};
-  const Outcome one = runTaxelsim(words);
-  ASSERT_EQ(one.status, 0) << one.err;
+  const Outcome one = succeed(words);
   const Outcome several = runTaxelsim(joined(words, {"--processes", "2"}));
   EXPECT_EQ(several.out, one.out) << several.err;
   EXPECT_EQ(count(several.err, "10 of 10 episodes"), 1u) << several.err;
 }
 
 TEST_F(Processes, ExtendARangeRepairAndPlayPartsAsOneDoes) {
-  ASSERT_EQ(runTaxelsim(generating("one", {})).status, 0);
+  succeed(generating("one", {}));
   const std::string out = root_ / "out";
-  ASSERT_EQ(runTaxelsim(generating("out", {"--episodes", "8", "--processes", "2"})).status, 0);
+  succeed(generating("out", {"--episodes", "8", "--processes", "2"}));
   const Outcome part = runTaxelsim(generating("out", {"--episodes", "8", "--processes", "2", "--part", "1/2"}));
-  EXPECT_NE(part.out.find("shards 0 to 3 of 8 complete, 4 episodes (4 found on disk)"), std::string::npos) << part.out << part.err;
+  EXPECT_THAT(part.out, HasSubstr("shards 0 to 3 of 8 complete, 4 episodes (4 found on disk)")) << part.out << part.err;
   const Outcome extended = runTaxelsim(generating("out", {"--processes", "2"}));
-  EXPECT_NE(extended.out.find("40 episodes (8 found on disk), 1,920 frames"), std::string::npos) << extended.out << extended.err;
+  EXPECT_THAT(extended.out, HasSubstr("40 episodes (8 found on disk), 1,920 frames")) << extended.out << extended.err;
   EXPECT_EQ(filesOf(out), filesOf(root_ / "one"));
 
   std::ofstream(out + "/shard-000030.h5") << "damaged";
   expectRefused(runTaxelsim(joined({"--log-level", "error"}, generating("out", {"--processes", "2"}))), "shard-000030.h5: its SHA-256 is");
-  const Outcome repaired = runTaxelsim(generating("out", {"--processes", "2", "--repair"}));
-  EXPECT_EQ(repaired.status, 0) << repaired.err;
+  const Outcome repaired = succeed(generating("out", {"--processes", "2", "--repair"}));
   EXPECT_EQ(count(repaired.err, "the shard is removed and made again"), 1u) << repaired.err;
   EXPECT_EQ(filesOf(out), filesOf(root_ / "one"));
 
   for (const std::string number : {"1", "2"})
-    ASSERT_EQ(runTaxelsim(evaluating({"--episode-range", "5..39", "-o", root_ / number, "--processes", number})).status, 0);
+    succeed(evaluating({"--episode-range", "5..39", "-o", root_ / number, "--processes", number}));
   EXPECT_EQ(filesOf(root_ / "2"), filesOf(root_ / "1"));
   const Outcome again = runTaxelsim(evaluating({"--episode-range", "5..39", "-o", root_ / "2", "--processes", "2"}));
-  EXPECT_NE(again.out.find("35 episodes per controller found on disk"), std::string::npos) << again.out << again.err;
+  EXPECT_THAT(again.out, HasSubstr("35 episodes per controller found on disk")) << again.out << again.err;
 }
 
 TEST_F(Processes, AreStoppedByAnInterruptAndResume) {
   const std::vector<std::string> episodes{"--episodes", "150"};  // seconds in small batches, interrupted at the first shard
-  ASSERT_EQ(runTaxelsim(generating("one", episodes)).status, 0);
+  succeed(generating("one", episodes));
   for (const bool to_group : {true, false}) {  // of a terminal, or of `kill`
     const std::string name = to_group ? "group" : "parent";
     RunningTaxelsim program(generating(name, joined(long_run_, episodes)));
@@ -185,8 +175,7 @@ TEST_F(Processes, AreStoppedByAnInterruptAndResume) {
     EXPECT_EQ(stopped.status, 130) << stopped.err;
     EXPECT_EQ(count(stopped.err, "stopped: " + std::to_string(numShards(root_ / name)) + " of 150 episodes are in"), 1u) << stopped.err;
     for (const pid_t process : processes) EXPECT_EQ(statusOf(process).state, 'X') << "ended before the program";
-    const Outcome resumed = runTaxelsim(generating(name, joined({"--processes", "2"}, episodes)));
-    EXPECT_EQ(resumed.status, 0) << resumed.err;
+    succeed(generating(name, joined({"--processes", "2"}, episodes)));
     EXPECT_EQ(filesOf(root_ / name), filesOf(root_ / "one"));
   }
   RunningTaxelsim program(evaluating(joined(long_run_, episodes)));
@@ -194,7 +183,7 @@ TEST_F(Processes, AreStoppedByAnInterruptAndResume) {
   kill(-program.process(), SIGINT);
   const Outcome stopped = program.wait();
   EXPECT_EQ(stopped.status, 130) << stopped.err;
-  EXPECT_NE(stopped.err.find(" of 2 controllers are evaluated"), std::string::npos) << stopped.err;
+  EXPECT_THAT(stopped.err, HasSubstr(" of 2 controllers are evaluated"));
 }
 
 TEST_F(Processes, AreLeftBehindByNoSecondInterrupt) {
@@ -220,12 +209,11 @@ TEST_F(Processes, EndWithTheProgram) {
     for (const pid_t process : processes) waitForEnd(process);
     EXPECT_EQ(program.wait().status, 128 + SIGKILL);
   }
-  const Outcome resumed = runTaxelsim(generating("out", {}));
-  EXPECT_EQ(resumed.status, 0) << resumed.err;
+  succeed(generating("out", {}));
 }
 
 TEST_F(Processes, ThatAreKilledGiveOneLineAndTheRunContinues) {
-  ASSERT_EQ(runTaxelsim(generating("one", {})).status, 0);
+  succeed(generating("one", {}));
   for (const bool is_generate : {true, false}) {
     RunningTaxelsim program(joined({"--log-level", "error"}, is_generate ? generating("out", long_run_) : evaluating(long_run_)));
     const std::vector<pid_t> processes = processesOf(program, 3);
@@ -239,7 +227,7 @@ TEST_F(Processes, ThatAreKilledGiveOneLineAndTheRunContinues) {
     EXPECT_EQ(outcome.out, "");
     for (const pid_t process : processes) EXPECT_EQ(statusOf(process).state, 'X') << "ended before the program";
   }
-  ASSERT_EQ(runTaxelsim(generating("out", long_run_)).status, 0);
+  succeed(generating("out", long_run_));
   EXPECT_EQ(filesOf(root_ / "out"), filesOf(root_ / "one"));
 }
 

@@ -52,9 +52,7 @@ class ServoExperimentCommand : public ::testing::Test {
 
 TEST_F(ServoExperimentCommand, JsonHasEveryNumber) {
   written("scene.yaml", sceneText());
-  const Outcome outcome = runTaxelsim({"experiment", written("x.yaml", experimentText(kRuns, kSweeps)), "--json"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  const nlohmann::json json = nlohmann::json::parse(outcome.out);
+  const nlohmann::json json = jsonOf({"experiment", written("x.yaml", experimentText(kRuns, kSweeps)), "--json"});
   EXPECT_EQ(json["experiment"], "small");
   EXPECT_EQ(json["band"], 0.02);
   ASSERT_EQ(json["runs"].size(), 3u);
@@ -95,12 +93,11 @@ TEST_F(ServoExperimentCommand, JsonHasEveryNumber) {
 TEST_F(ServoExperimentCommand, TableAndFigures) {
   written("scene.yaml", sceneText());
   const std::filesystem::path figures = root_ / "figures";
-  const Outcome outcome = runTaxelsim({"experiment", written("x.yaml", experimentText(kRuns, kSweeps)), "-o", figures});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.err.find("info: wrote 7 figures to " + figures.string()), std::string::npos) << outcome.err;
+  const Outcome outcome = succeed({"experiment", written("x.yaml", experimentText(kRuns, kSweeps)), "-o", figures});
+  EXPECT_THAT(outcome.err, ::testing::HasSubstr("info: wrote 7 figures to " + figures.string()));
   for (const char* part :
        {"small: settling", "edge_angle", "total_force", "center_across", "on a platform, all", "diverges", "stable up to 2."})
-    EXPECT_NE(outcome.out.find(part), std::string::npos) << part << "\n" << outcome.out;
+    EXPECT_THAT(outcome.out, ::testing::HasSubstr(part)) << part << "\n" << outcome.out;
   // Three groups, each whole and near its reference, in two columns; two other features in one row; three images in a row.
   const Picture angle(figures / "angle.png"), features(figures / "features.png"), robot(figures / "robot.png"),
       theory(figures / "theory.png"), images(figures / "alone.png");

@@ -9,6 +9,8 @@
 namespace taxelsim::testing {
 namespace {
 
+using ::testing::HasSubstr;
+
 constexpr const char* kOtherProbe = "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef";
 
 // One frame of 24 spheres, by default in six shards.
@@ -20,17 +22,10 @@ std::string writeScene(const std::string& file, const std::string& radius = "5",
   return file;
 }
 
-std::map<std::string, std::string> filesOf(const std::string& directory) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : std::filesystem::directory_iterator(directory))
-    files[entry.path().filename().string()] = contentOf(entry.path());
-  return files;
-}
-
 TEST(Shards, ProcessesTogetherGiveTheBytesOfOneAlsoAfterAKill) {
   const TemporaryDirectory root;
   const std::string scene = writeScene(root / "scene.yaml"), many = root / "many";
-  ASSERT_EQ(runTaxelsim({"generate", scene, "-o", root / "one"}).status, 0);
+  succeed({"generate", scene, "-o", root / "one"});
 
   // Killed at any time, a process leaves complete shards, or none, and claims that have ended.
   runTaxelsim({"generate", scene, "-o", many, "--part", "1/2", "--batch-size", "1"}, {.signal = SIGKILL, .signal_after = 0.5});
@@ -42,16 +37,15 @@ TEST(Shards, ProcessesTogetherGiveTheBytesOfOneAlsoAfterAKill) {
   for (std::future<Outcome>& process : processes) {
     const Outcome outcome = process.get();
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_NE(outcome.out.find("of 6 complete"), std::string::npos) << outcome.out;
+    EXPECT_THAT(outcome.out, HasSubstr("of 6 complete"));
   }
   EXPECT_FALSE(std::filesystem::exists(many + "/dataset.h5"));
 
   std::filesystem::rename(many + "/shard-000004.h5", root / "shard");
   expectRefused(runTaxelsim({"finish", many}), "shard-000004.h5 is missing; missing shards: 4 (1 of 6)");
   std::filesystem::rename(root / "shard", many + "/shard-000004.h5");
-  const Outcome finished = runTaxelsim({"finish", many});
-  EXPECT_EQ(finished.status, 0) << finished.err;
-  EXPECT_NE(finished.out.find("6 shards verified"), std::string::npos) << finished.out;
+  const Outcome finished = succeed({"finish", many});
+  EXPECT_THAT(finished.out, HasSubstr("6 shards verified"));
   EXPECT_EQ(filesOf(many), filesOf(root / "one"));
 
   expectRefused(runTaxelsim({"--log-level", "error", "generate", writeScene(root / "other.yaml", "6"), "-o", many, "--part", "1/2"}),
@@ -77,15 +71,14 @@ TEST(Shards, RangesThatAreNoneAreRefused) {
   refuse("--shards", "2..6", "--shards: 2..6 found, the data set has shards 0 to 5");
   EXPECT_EQ(runTaxelsim({"generate", scene, "-o", root / "out", "--part", "1/2", "--shards", "0..1"}).status, 2) << "both";
   EXPECT_FALSE(std::filesystem::exists(root / "out"));
-  const Outcome empty = runTaxelsim({"generate", scene, "-o", root / "out", "--part", "7/7"});
-  EXPECT_EQ(empty.status, 0) << empty.err;
-  EXPECT_NE(empty.out.find("part 7/7 of 6 shards is empty"), std::string::npos) << empty.out;
+  const Outcome empty = succeed({"generate", scene, "-o", root / "out", "--part", "7/7"});
+  EXPECT_THAT(empty.out, HasSubstr("part 7/7 of 6 shards is empty"));
 }
 
 TEST(Shards, InspectReadsASampleOfManyAndNoticesChanges) {
   const TemporaryDirectory root;
   const std::string out = root / "out";
-  ASSERT_EQ(runTaxelsim({"generate", writeScene(root / "scene.yaml", "5", 1), "-o", out, "--episodes", "20"}).status, 0);
+  succeed({"generate", writeScene(root / "scene.yaml", "5", 1), "-o", out, "--episodes", "20"});
   const auto inspect = [&](std::vector<std::string> options) {
     options.insert(options.begin(), {"inspect", out, "--json"});
     return nlohmann::json::parse(runTaxelsim(options).out);
@@ -100,9 +93,9 @@ TEST(Shards, InspectReadsASampleOfManyAndNoticesChanges) {
   EXPECT_EQ(all["checked"], "all bytes");
   EXPECT_EQ(all["statistics_of_shards"], 20);
   const Outcome text = runTaxelsim({"inspect", out});
-  EXPECT_NE(text.out.find("values    of 16 of 20 shards; --verify reads all"), std::string::npos) << text.out;
-  EXPECT_NE(text.out.find(" of 20 shards unchanged since they were verified (sizes and times)"), std::string::npos) << text.out;
-  EXPECT_NE(text.out.find("; --verify reads all bytes\n"), std::string::npos) << text.out;
+  EXPECT_THAT(text.out, HasSubstr("values    of 16 of 20 shards; --verify reads all"));
+  EXPECT_THAT(text.out, HasSubstr(" of 20 shards unchanged since they were verified (sizes and times)"));
+  EXPECT_THAT(text.out, HasSubstr("; --verify reads all bytes\n"));
 
   std::filesystem::remove(out + "/shard-000019.h5");
   EXPECT_EQ(inspect({})["shards"]["missing"], nlohmann::json::array({19}));

@@ -45,13 +45,12 @@ TEST(Signals, VerificationHearsThem) {
          "/scenes/sensors/wts0614_soft_cover.yaml\nobjects: [{sphere: {radius_mm: 5}}]\nrandomization: {load: 1}\nrecord: [tactile_image]\n"
          "data_set: {episodes: 2, episodes_per_shard: 1}\n";
   const std::vector<std::string> command{"generate", root / "scene.yaml", "-o", root / "out"};
-  const Outcome written = runTaxelsim(command);
-  ASSERT_EQ(written.status, 0) << written.err;
+  succeed(command);
   std::filesystem::resize_file(root / "out/shard-000000.h5", std::uintmax_t{64} << 30);
   const Outcome outcome = runTaxelsim(command, {.signal = SIGTERM, .signal_at = "verifying: 0 of 2 shards: 0:"});
   EXPECT_EQ(outcome.status, 130) << outcome.err;
   EXPECT_LT(outcome.cpu_after_signal, kMaxSeconds);
-  EXPECT_NE(outcome.err.find("stopped before the shards in"), std::string::npos) << outcome.err;
+  EXPECT_THAT(outcome.err, ::testing::HasSubstr("stopped before the shards in"));
 }
 
 // Of 28,800 triangles: 2.5 s.

@@ -19,8 +19,8 @@ constexpr double kRounding = 1e-14;  // tens of rounding errors of numbers of or
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 Manipulator load(const std::string& text, const std::string& link, const std::string& base = "") {
-  const UrdfDirectory directory;
-  return loadUrdf(directory.write(text), {.base_link = base, .sensors = {{link, {}}}});
+  const testing::TemporaryDirectory directory;
+  return loadUrdf(directory.write("robot.urdf", text), {.base_link = base, .sensors = {{link, {}}}});
 }
 
 Pose poseOf(const Manipulator& robot, const std::vector<double>& q) {
@@ -90,9 +90,9 @@ std::string drawTree(int num_links) {
 
 // Chains between any two links, up and down the tree.
 RC_GTEST_PROP(Urdf, MatchesKdlSolvers, ()) {
-  const UrdfDirectory directory;
+  const testing::TemporaryDirectory directory;
   const int num_links = *rc::gen::inRange(3, 12);
-  const std::filesystem::path file = directory.write(drawTree(num_links));
+  const std::filesystem::path file = directory.write("robot.urdf", drawTree(num_links));
   const std::string base = "l" + std::to_string(*rc::gen::inRange(0, num_links));
   const std::string tip = "l" + std::to_string(*rc::gen::inRange(0, num_links));
   const Pose X_LS = drawPose(0.2);
@@ -191,8 +191,9 @@ TEST(Urdf, MimicJointsMayMimicAJointOffThePath) {
 }
 
 TEST(Urdf, SensorsShareJoints) {
-  const UrdfDirectory directory;
-  const auto file = directory.write(robot(kLinks + joint("ab", "revolute", "a", "b", kLimit) + joint("bc", "continuous", "b", "c")));
+  const testing::TemporaryDirectory directory;
+  const auto file =
+      directory.write("robot.urdf", robot(kLinks + joint("ab", "revolute", "a", "b", kLimit) + joint("bc", "continuous", "b", "c")));
   const Manipulator hand = loadUrdf(file, {.base_link = "", .sensors = {{"b", {}}, {"c", {}}}});
   EXPECT_EQ(hand.joints.size(), 2u);
   EXPECT_EQ(hand.sensors[0].chain.size(), 1u);
@@ -215,8 +216,8 @@ struct BadUrdf {
 };
 
 std::string errorFor(const BadUrdf& bad, const std::string& base = "") {
-  const UrdfDirectory directory;
-  const std::filesystem::path file = directory.write(bad.text);
+  const testing::TemporaryDirectory directory;
+  const std::filesystem::path file = directory.write("robot.urdf", bad.text);
   try {
     loadUrdf(file, {.base_link = base, .sensors = {{bad.link, {}}}});
   } catch (const Error& error) {
@@ -311,7 +312,7 @@ TEST(BadUrdfs, OptionsOutOfRangeAreRejected) {
 
 // Weak oracle: the file is loaded, or rejected with one line.
 RC_GTEST_PROP(FuzzedUrdf, LoadsOrIsRejected, ()) {
-  static const UrdfDirectory directory;
+  static const testing::TemporaryDirectory directory;
   static const std::string original = [] {
     std::ifstream stream(kRobots / "lwr_palm.urdf");
     std::ostringstream text;
@@ -335,7 +336,7 @@ RC_GTEST_PROP(FuzzedUrdf, LoadsOrIsRejected, ()) {
     }
   }
   try {
-    loadUrdf(directory.write(text), {.base_link = "", .sensors = {{"palm", {}}}});
+    loadUrdf(directory.write("robot.urdf", text), {.base_link = "", .sensors = {{"palm", {}}}});
   } catch (const Error& error) {
     const std::string message = error.what();
     RC_ASSERT(!message.empty());

@@ -6,17 +6,6 @@
 
 namespace taxelsim {
 
-class UrdfDirectory {
- public:
-  std::filesystem::path write(const std::string& text) const {
-    std::ofstream(directory_ / "robot.urdf", std::ios::binary) << text;
-    return directory_ / "robot.urdf";
-  }
-
- private:
-  testing::TemporaryDirectory directory_;
-};
-
 // A joint element; `more`: its other child elements.
 inline std::string joint(const std::string& name, const std::string& type, const std::string& parent, const std::string& child,
                          const std::string& more = "") {

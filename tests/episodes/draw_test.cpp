@@ -1,6 +1,7 @@
 #include "episodes/draw.h"
 
 #include "episodes/example_scene.h"
+#include "support/input_error.h"
 #include "support/test.h"
 #include "taxelsim/error.h"
 
@@ -135,13 +136,7 @@ TEST(DrawEpisode, MatchesStoredValues) {
 TEST(DrawEpisode, ErrorWithoutLowestPointNamesFileAndEpisode) {
   Scene scene = exampleScene();
   scene.objects = {{Object(HalfSpace{}), 1, axisAngle({1, 0, 0}, 3.0)}};
-  try {
-    drawEpisode(scene, 42);
-    FAIL() << "no error";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    EXPECT_NE(std::string(error.what()).find("example.yaml: episode 42"), std::string::npos) << error.what();
-  }
+  EXPECT_THAT(support::inputError([&] { drawEpisode(scene, 42); }), ::testing::HasSubstr("example.yaml: episode 42"));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "episodes/recording.h"
 #include "episodes/servo_input.h"
 #include "simulation/host_threads.h"
+#include "support/input_error.h"
 #include "support/test.h"
 #include "taxelsim/error.h"
 #include "taxelsim/evaluate.h"
@@ -14,19 +15,13 @@
 namespace taxelsim {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 template <typename Call>
 std::string refusal(const Call& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    return error.what();
-  }
-  return "no refusal";
+  return support::refusal([&] { call(); });
 }
 
 // The scene's first servo as a caller of an Environment.
@@ -115,7 +110,7 @@ void moveObjects(Scene& scene) {
   scene.sensor.readout.delay = 0.02;
 }
 
-class EnvironmentTrajectory : public testing::TestWithParam<Kind> {};
+class EnvironmentTrajectory : public ::testing::TestWithParam<Kind> {};
 
 TEST_P(EnvironmentTrajectory, IsThatOfASliceForAnyNumberOfInstances) {
   Scene scene = exampleScene();
@@ -176,12 +171,12 @@ TEST(SliceStats, CountOneSubmitPerFrameAndTimesOfAllParts) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, EnvironmentTrajectory,
-                         testing::Values(Kind{"flying", [](Scene&) {}}, Kind{"pan_tilt", usePanTilt}, Kind{"two_sensors", useTwoSensors},
-                                         Kind{"moving", moveObjects}),
+                         ::testing::Values(Kind{"flying", [](Scene&) {}}, Kind{"pan_tilt", usePanTilt}, Kind{"two_sensors", useTwoSensors},
+                                           Kind{"moving", moveObjects}),
                          [](const auto& param) { return std::string(param.param.name); });
 
 // One environment of 4 instances, in frame 2.
-class EnvironmentCalls : public testing::Test {
+class EnvironmentCalls : public ::testing::Test {
  protected:
   static Scene scene() {
     Scene scene = exampleScene();
@@ -208,7 +203,7 @@ TEST_F(EnvironmentCalls, ResetByMaskKeepsTheOtherInstances) {
   const std::vector<std::uint8_t> mask{0, 1, 0, 0};
   environment.reset(mask, episodes);
   const EnvironmentView after = environment.observe();
-  EXPECT_THAT(std::vector<int>(after.frame_numbers.begin(), after.frame_numbers.end()), testing::ElementsAre(2, 0, 2, 2));
+  EXPECT_THAT(std::vector<int>(after.frame_numbers.begin(), after.frame_numbers.end()), ::testing::ElementsAre(2, 0, 2, 2));
   for (const std::size_t i : {0, 2, 3}) EXPECT_EQ(bitsOf(after, i), before[i]) << i;
   EXPECT_NE(bitsOf(after, 1), before[1]);
 }

@@ -1,7 +1,5 @@
 #include "episodes/example_scene.h"
 
-#include <unistd.h>
-
 #include "support/test.h"
 
 namespace taxelsim {
@@ -56,18 +54,6 @@ Scene exampleContacts() {
   scene.record.pop_back();
   scene.resolved = "name: contacts\n";
   return scene;
-}
-
-TestDirectory::TestDirectory() {
-  const testing::TestInfo* test = testing::UnitTest::GetInstance()->current_test_info();
-  path_ = std::filesystem::temp_directory_path() /
-          ("taxelsim_" + std::string(test->test_suite_name()) + "_" + test->name() + "_" + std::to_string(::getpid()));
-  std::filesystem::remove_all(path_);
-}
-
-TestDirectory::~TestDirectory() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
 }
 
 }  // namespace taxelsim

@@ -1,8 +1,7 @@
 // Scene for tests, built without a file: a 6 x 14 array with a lying cylinder and a sphere.
 #pragma once
 
-#include <filesystem>
-
+#include "support/temporary_directory.h"
 #include "taxelsim/scene.h"
 
 namespace taxelsim {
@@ -13,18 +12,14 @@ Scene exampleScene();
 // The same scene with kind `contacts`: one frame per episode.
 Scene exampleContacts();
 
-// Path in the system's temporary directory, named after the running test and not created. Removed by the destructor.
+// Path in a temporary directory, not created.
 class TestDirectory {
  public:
-  TestDirectory();
-  ~TestDirectory();
-  TestDirectory(const TestDirectory&) = delete;
-  TestDirectory& operator=(const TestDirectory&) = delete;
-
   const std::filesystem::path& path() const { return path_; }
 
  private:
-  std::filesystem::path path_;
+  testing::TemporaryDirectory root_;
+  std::filesystem::path path_ = root_ / "data";
 };
 
 }  // namespace taxelsim

@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include "episodes/example_scene.h"
+#include "support/input_error.h"
 #include "support/test.h"
 #include "taxelsim/error.h"
 #include "taxelsim/generate.h"
@@ -161,18 +162,12 @@ TEST(Evaluate, QuantilesIgnoreUndefinedValues) {
 TEST(Evaluate, RejectsUnknownControllersAndScenesWithoutTask) {
   const Device device = Device::open();
   const auto refusal = [&](const Scene& scene, const std::vector<std::string>& controllers) {
-    try {
-      evaluate(device, scene, controllers);
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), ErrorKind::kInput);
-      return std::string(error.what());
-    }
-    return std::string("no refusal");
+    return support::refusal([&] { evaluate(device, scene, controllers); });
   };
-  EXPECT_THAT(refusal(alignScene(), {"none"}), testing::HasSubstr("controller none: not in this scene; it has exact, idle"));
+  EXPECT_THAT(refusal(alignScene(), {"none"}), ::testing::HasSubstr("controller none: not in this scene; it has exact, idle"));
   Scene scene = alignScene();
   scene.task.reset();
-  EXPECT_THAT(refusal(scene, {}), testing::HasSubstr("this scene has no `task`"));
+  EXPECT_THAT(refusal(scene, {}), ::testing::HasSubstr("this scene has no `task`"));
 }
 
 // Episodes are independent: extreme gains give NaN or diverge without effect on other episodes.

@@ -3,6 +3,7 @@
 
 #include "episodes/grasp_batch.h"
 #include "evaluation/grasp_judge.h"
+#include "support/input_error.h"
 #include "support/test.h"
 #include "taxelsim/error.h"
 
@@ -168,13 +169,7 @@ TEST(EvaluateGrasp, StopsAndKeepsWhatIsComplete) {
 }
 
 std::string refusalOf(const Scene& refused, const std::vector<double>& gains = {}, int batch_size = 1) {
-  try {
-    evaluateGrasp(device(), refused, gains, {.batch_size = batch_size});
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    return error.what();
-  }
-  return "";
+  return support::refusal([&] { evaluateGrasp(device(), refused, gains, {.batch_size = batch_size}); });
 }
 
 TEST(EvaluateGrasp, RefusesWhatItCannotJudge) {
@@ -188,7 +183,7 @@ TEST(EvaluateGrasp, RefusesWhatItCannotJudge) {
   refused.grasp->task.tolerance = 0;
   EXPECT_EQ(refusalOf(refused), "task.tolerance: 0 is not allowed: a number > 0 and <= 1");
   refused.grasp.reset();
-  EXPECT_NE(refusalOf(refused), "");
+  EXPECT_NE(refusalOf(refused), support::kNoRefusal);
   refused = scene(1);
   refused.num_episodes = (1 << 24) + 1;
   EXPECT_NE(refusalOf(refused).find("16777217 found, at most 16777216 allowed"), std::string::npos);

@@ -1,6 +1,7 @@
 // Evaluations in parts: the same evaluations as at once, exact text, and refusal of parts that do not belong together.
 #include "episodes/example_scene.h"
 #include "evaluation/part_text.h"
+#include "support/input_error.h"
 #include "support/test.h"
 #include "taxelsim/error.h"
 #include "taxelsim/version.h"
@@ -24,13 +25,7 @@ EvaluateOptions episodes(std::uint64_t first, std::uint64_t end) {
 }
 
 void expectRefused(const std::function<void()>& call, const std::string& part) {
-  try {
-    call();
-    ADD_FAILURE() << "nothing refused: " << part;
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
-  }
+  EXPECT_THAT(support::inputError([&] { call(); }), ::testing::HasSubstr(part));
 }
 
 TEST(EvaluationPart, PartsTogetherGiveTheEvaluationsOfOneRun) {

@@ -3,6 +3,7 @@
 
 #include "episodes/example_scene.h"
 #include "episodes/servo_input.h"
+#include "support/input_error.h"
 #include "support/test.h"
 #include "taxelsim/error.h"
 #include "taxelsim/evaluate.h"
@@ -10,7 +11,7 @@
 namespace taxelsim {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 Scene taskScene() {
   Scene scene = exampleScene();
@@ -49,13 +50,7 @@ void expectSame(const std::vector<Verdict>& a, const std::vector<Verdict>& b) {
 }
 
 std::string refusalOf(const Scene& scene, const Policy& policy) {
-  try {
-    evaluate(Device::open(), scene, {}, {.batch_size = 5, .on_progress = {}, .policy = policy});
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    return error.what();
-  }
-  return "no refusal";
+  return support::refusal([&] { evaluate(Device::open(), scene, {}, {.batch_size = 5, .on_progress = {}, .policy = policy}); });
 }
 
 TEST(EvaluatePolicy, ThatIsTheServoHasItsVerdictsInAnyBatch) {

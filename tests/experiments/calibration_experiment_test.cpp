@@ -1,4 +1,5 @@
 // The paper's calibration with a pin: closed forms of springs, and files that are refused.
+#include "support/input_error.h"
 #include "support/temporary_directory.h"
 #include "support/test.h"
 #include "taxelsim/device.h"
@@ -146,13 +147,7 @@ TEST(CalibrationExperiment, Refusals) {
       {{"measured:", "zebra: 1\nmeasured:"}, "zebra"},
   };
   for (const auto& [change, message] : cases) {
-    try {
-      loaded(replaced(change.first, change.second));
-      ADD_FAILURE() << message;
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), ErrorKind::kInput);
-      EXPECT_THAT(error.what(), ::testing::HasSubstr(message));
-    }
+    EXPECT_THAT(support::inputError([&] { loaded(replaced(change.first, change.second)); }), ::testing::HasSubstr(message));
   }
 }
 

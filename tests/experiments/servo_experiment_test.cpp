@@ -1,5 +1,6 @@
 // The shipped servo experiments of the paper, against closed forms and the static characteristic of the sensor.
 #include "experiments/servo_theory.h"
+#include "support/input_error.h"
 #include "support/test.h"
 #include "taxelsim/device.h"
 #include "taxelsim/error.h"
@@ -248,13 +249,7 @@ TEST(ServoExperiment, OfSeveralSensorsTheFirstIsTraced) {
 }
 
 void expectRefused(const ServoExperiment& experiment, const std::string& part) {
-  try {
-    runServoExperiment(Device::open(), experiment);
-    FAIL() << "nothing thrown";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
-  }
+  EXPECT_THAT(support::inputError([&] { runServoExperiment(Device::open(), experiment); }), ::testing::HasSubstr(part));
 }
 
 TEST(ServoExperiment, RejectsInvalidRuns) {

@@ -32,7 +32,7 @@ void expectTable(const std::string& text, std::span<const Field> fields, std::si
   for (const Field& field : fields) {
     if (field.recorded != "never") table += rowText(field, parts);
   }
-  EXPECT_THAT(text, testing::HasSubstr(table + "\n"));
+  EXPECT_THAT(text, ::testing::HasSubstr(table + "\n"));
 }
 
 TEST(DataSetDocument, HasTheFeatureTable) {

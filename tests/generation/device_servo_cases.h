@@ -18,12 +18,6 @@ inline const Device& device() {
   return opened;
 }
 
-// Bytes of a file of a data set; empty if it does not exist.
-inline std::string bytesOf(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 inline void generateWith(const Scene& scene, const std::filesystem::path& directory, int batch_size, int num_slices, Loops loops) {
   EXPECT_TRUE(
       generate(device(), scene, directory, {.batch_size = batch_size, .num_slices = num_slices, .on_progress = {}, .stop = nullptr}, loops)
@@ -42,7 +36,8 @@ inline void expectSameBytes(const Scene& scene, std::vector<std::pair<int, int>>
     for (const auto& entry : std::filesystem::directory_iterator(host)) {
       if (entry.path().extension() != ".h5" || entry.path().stem() == "dataset") continue;
       ++num_shards;
-      EXPECT_TRUE(bytesOf(entry.path()) == bytesOf(on_device / entry.path().filename())) << entry.path().filename() << " of " << on_device;
+      EXPECT_TRUE(testing::contentOf(entry.path()) == testing::contentOf(on_device / entry.path().filename()))
+          << entry.path().filename() << " of " << on_device;
     }
     EXPECT_GT(num_shards, 0);
     std::filesystem::remove_all(on_device);

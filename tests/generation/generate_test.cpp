@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "episodes/example_scene.h"
+#include "support/input_error.h"
 #include "support/test.h"
 #include "taxelsim/error.h"
 
@@ -17,18 +18,10 @@ const Device& device() {
   return opened;
 }
 
-using Files = std::map<std::string, std::string>;
+using testing::Files;
 
-// Names and contents of the files of a data set.
 Files filesOf(const std::filesystem::path& directory) {
-  Files files;
-  for (const auto& entry : std::filesystem::directory_iterator(directory)) {
-    const std::string extension = entry.path().extension().string();
-    if (extension != ".h5" && extension != ".yaml" && extension != ".sha256") continue;
-    std::ifstream stream(entry.path(), std::ios::binary);
-    files[entry.path().filename().string()] = std::string(std::istreambuf_iterator<char>(stream), {});
-  }
-  return files;
+  return testing::filesOf(directory, {".h5", ".yaml", ".sha256"});
 }
 
 void expectSame(const Files& expected, const Files& actual, const std::string& what) {
@@ -180,13 +173,7 @@ TEST(Generate, RejectsShardsThatExceedHostMemory) {
   Scene scene = exampleScene();
   scene.num_steps = 1'000'000;
   scene.num_episodes = scene.episodes_per_shard = 1'000'000;
-  try {
-    generateWith(scene, directory.path(), 16, 2);
-    FAIL() << "no error";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    EXPECT_NE(std::string(error.what()).find("episodes_per_shard"), std::string::npos) << error.what();
-  }
+  EXPECT_THAT(support::inputError([&] { generateWith(scene, directory.path(), 16, 2); }), ::testing::HasSubstr("episodes_per_shard"));
   EXPECT_FALSE(std::filesystem::exists(directory.path()));
 }
 

@@ -23,14 +23,8 @@ const Device& device() {
   return opened;
 }
 
-std::map<std::string, std::string> shardsOf(const std::filesystem::path& directory) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : std::filesystem::directory_iterator(directory)) {
-    if (entry.path().extension() != ".h5") continue;
-    std::ifstream stream(entry.path(), std::ios::binary);
-    files[entry.path().filename().string()] = std::string(std::istreambuf_iterator<char>(stream), {});
-  }
-  return files;
+testing::Files shardsOf(const std::filesystem::path& directory) {
+  return testing::filesOf(directory, {".h5"});
 }
 
 TEST(GraspDataSet, HasTheSameBytesForAnyBatchAndAfterAStop) {
@@ -71,7 +65,7 @@ TEST(GraspDataSet, OfAHandOnAnArmHasTheSameBytesForAnyBatch) {
     }
   }
   const TestDirectory directory;
-  std::map<std::string, std::string> expected;
+  testing::Files expected;
   for (const int batch_size : {1, 7, 64}) {
     const std::filesystem::path path = directory.path() / std::to_string(batch_size);
     EXPECT_TRUE(generate(device(), scene, path, {.batch_size = batch_size}).complete);

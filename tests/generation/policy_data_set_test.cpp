@@ -1,5 +1,6 @@
 // Policies of the caller in generate().
 #include "episodes/example_scene.h"
+#include "support/input_error.h"
 #include "support/test.h"
 #include "taxelsim/error.h"
 #include "taxelsim/generate.h"
@@ -7,7 +8,7 @@
 namespace taxelsim {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 // Presses and turns by its reading.
 Policy policyWithId(const std::string& id) {
@@ -21,11 +22,6 @@ Policy policyWithId(const std::string& id) {
   return policy;
 }
 
-std::string contentOf(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 GenerateOptions options(const Policy& policy, int batch_size, int num_slices) {
   return {.batch_size = batch_size, .num_slices = num_slices, .on_progress = {}, .stop = nullptr, .policy = policy};
 }
@@ -33,7 +29,7 @@ GenerateOptions options(const Policy& policy, int batch_size, int num_slices) {
 void expectSameShards(const std::filesystem::path& a, const std::filesystem::path& b) {
   for (int shard = 0; shard < 5; ++shard) {
     const std::string name = "shard-00000" + std::to_string(shard) + ".h5";
-    EXPECT_TRUE(contentOf(a / name) == contentOf(b / name)) << name;
+    EXPECT_TRUE(testing::contentOf(a / name) == testing::contentOf(b / name)) << name;
   }
 }
 
@@ -47,8 +43,8 @@ TEST(GeneratePolicy, ActsInsteadOfTheControllers) {
 
   const DatasetReader reader(directory.path() / "whole");
   EXPECT_EQ(reader.manifest().policy, "abc");
-  EXPECT_THAT(reader.readAsDouble("meta/controller", 0, scene.num_episodes), testing::Each(-1.0));
-  EXPECT_THAT(reader.readAsText("meta/controller_name", 0, scene.num_episodes), testing::Each(""));
+  EXPECT_THAT(reader.readAsDouble("meta/controller", 0, scene.num_episodes), ::testing::Each(-1.0));
+  EXPECT_THAT(reader.readAsText("meta/controller_name", 0, scene.num_episodes), ::testing::Each(""));
   const std::vector<double> force = reader.readAsDouble("data/total_force", 0, reader.numFrames());
   const std::vector<double> angle = reader.readAsDouble("data/edge_angle", 0, reader.numFrames());
   const std::vector<double> action = reader.readAsDouble("data/action", 0, reader.numFrames());
@@ -65,12 +61,8 @@ TEST(GeneratePolicy, RefusesAnotherNumberOfRegionsThanTheScene) {
   Policy policy = policyWithId("abc");
   policy.outputs.contact_features = true;
   policy.max_regions = 1;
-  try {
-    generate(Device::open(), exampleScene(), directory.path() / "d", options(policy, 4, 1));
-    FAIL() << "no refusal";
-  } catch (const Error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("policy press: max_regions: 1 found, the scene records contact features with 2"));
-  }
+  EXPECT_THAT(support::inputError([&] { generate(Device::open(), exampleScene(), directory.path() / "d", options(policy, 4, 1)); }),
+              HasSubstr("policy press: max_regions: 1 found, the scene records contact features with 2"));
   EXPECT_FALSE(std::filesystem::exists(directory.path() / "d/shard-000000.h5"));
 }
 
@@ -105,7 +97,7 @@ TEST(GenerateEpisodes, HaveTheRowsOfTheWholeDataSet) {
     EXPECT_EQ(part.manifest().episodes, episodes);
     ASSERT_EQ(part.numEpisodes(), 7u);
     expectRowsOf(whole, part, episodes);
-    EXPECT_THAT(part.readAsDouble("meta/episode", 0, 7), testing::ElementsAre(21, 3, 0, 14, 15, 16, 8));
+    EXPECT_THAT(part.readAsDouble("meta/episode", 0, 7), ::testing::ElementsAre(21, 3, 0, 14, 15, 16, 8));
     EXPECT_EQ(generate(device, scene, folder / "part", requested).progress.episodes_resumed, 7u);
   }
 }
@@ -115,13 +107,9 @@ TEST(GenerateEpisodes, RefusesOtherEpisodesOnResumeAndTwiceTheSame) {
   const Device device = Device::open();
   const TestDirectory directory;
   const auto refusal = [&](std::vector<std::uint64_t> episodes) {
-    try {
+    return support::refusal([&] {
       generate(device, scene, directory.path(), {.on_progress = {}, .stop = nullptr, .policy = {}, .episodes = std::move(episodes)});
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), ErrorKind::kInput);
-      return std::string(error.what());
-    }
-    return std::string("no refusal");
+    });
   };
   EXPECT_EQ(refusal({4, 9, 4}), "episodes: 4 found twice");
   EXPECT_FALSE(std::filesystem::exists(directory.path()));
@@ -137,13 +125,7 @@ TEST(GeneratePolicy, AnotherPolicyDoesNotResume) {
   const Device device = Device::open();
   const TestDirectory directory;
   const auto refusal = [&](const GenerateOptions& requested, const char* folder) {
-    try {
-      generate(device, scene, directory.path() / folder, requested);
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), ErrorKind::kInput);
-      return std::string(error.what());
-    }
-    return std::string("no refusal");
+    return support::refusal([&] { generate(device, scene, directory.path() / folder, requested); });
   };
   ASSERT_TRUE(generate(device, scene, directory.path() / "policy", options(policyWithId("abc"), 23, 1)).complete);
   EXPECT_THAT(refusal(options(policyWithId("def"), 23, 1), "policy"),

@@ -1,5 +1,6 @@
 #include "generation/shard_queue.h"
 
+#include "support/input_error.h"
 #include "support/test.h"
 #include "taxelsim/error.h"
 
@@ -61,13 +62,7 @@ TEST(ShardQueue, ReusesRecycledBuffers) {
 TEST(ShardQueue, RejectsAShardThatExceedsMemory) {
   constexpr std::uint64_t kTooMany = std::uint64_t{1} << 62;  // exceeds std::vector::max_size(), so no memory is requested
   ShardQueue queue(manifestOf(kTooMany, kTooMany), {false}, 1);
-  try {
-    queue.next();
-    FAIL() << "no error";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    EXPECT_NE(std::string(error.what()).find("episodes_per_shard"), std::string::npos) << error.what();
-  }
+  EXPECT_THAT(support::inputError([&] { queue.next(); }), ::testing::HasSubstr("episodes_per_shard"));
 }
 
 // For any order in which episodes end: each episode is handed out once, and each incomplete shard is returned once, with its last episode.

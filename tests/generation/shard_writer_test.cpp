@@ -96,8 +96,7 @@ TEST(ShardWriter, ShardsDoNotDependOnThreads) {
     }
     writer.close();
     dataset.finish();
-    std::ifstream list(directory.path() / "dataset.checksums");
-    checksums.emplace_back(std::istreambuf_iterator<char>(list), std::istreambuf_iterator<char>());
+    checksums.push_back(testing::contentOf(directory.path() / "dataset.checksums"));
   }
   EXPECT_FALSE(checksums[0].empty());
   EXPECT_EQ(checksums[0], checksums[1]);

@@ -41,7 +41,7 @@ class Gltf : public ::testing::Test {
     return withChange(gltfJson(brick(), "brick.bin", kRoot), from, to);
   }
 
-  MeshDirectory directory_;
+  testing::TemporaryDirectory directory_;
 };
 
 struct Change {

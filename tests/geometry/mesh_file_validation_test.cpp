@@ -31,7 +31,7 @@ std::string dataUri(const std::string& bytes) {
 
 class InvalidMeshFile : public Test {
  protected:
-  MeshDirectory directory_;
+  testing::TemporaryDirectory directory_;
 };
 
 TEST_F(InvalidMeshFile, RejectsMissingFilesDirectoriesEmptyFilesAndPipes) {

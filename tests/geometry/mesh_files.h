@@ -1,32 +1,14 @@
 // Writers of small mesh files for tests of the loader.
 #pragma once
 
+#include "support/input_error.h"
 #include "support/temporary_directory.h"
 #include "support/test.h"
-#include "taxelsim/error.h"
 #include "taxelsim/object.h"
 
 namespace taxelsim {
 
-class MeshDirectory : public testing::TemporaryDirectory {
- public:
-  std::filesystem::path write(const std::string& name, const std::string& bytes) const {
-    std::ofstream(*this / name, std::ios::binary) << bytes;
-    return *this / name;
-  }
-};
-
-// Message of the Error(kInput) that `call` throws; empty if it does not throw.
-template <typename Call>
-std::string inputError(Call call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    if (error.kind() != ErrorKind::kInput) return std::string("wrong kind: ") + error.what();
-    return error.what();
-  }
-  return {};
-}
+using support::inputError;
 
 // A box of 0.5 x 0.25 x 2 with its lower corner at the origin; bits 0, 1, 2 of a vertex index select its x, y, z. The side lengths are
 // exact in float32 and in few decimal digits.

@@ -18,7 +18,7 @@ struct FormatCase {
 class EveryFormat : public ::testing::TestWithParam<FormatCase> {};
 
 TEST_P(EveryFormat, GivesTheSameWeldedMesh) {
-  const MeshDirectory directory;
+  const testing::TemporaryDirectory directory;
   directory.write("brick.bin", gltfBuffer(brick()));
   const Mesh mesh = loadMesh(directory.write(GetParam().file, GetParam().write(brick())));
   EXPECT_EQ(mesh.vertices.size(), 8u);
@@ -27,7 +27,7 @@ TEST_P(EveryFormat, GivesTheSameWeldedMesh) {
 }
 
 TEST_P(EveryFormat, IsDeterministic) {
-  const MeshDirectory directory;
+  const testing::TemporaryDirectory directory;
   directory.write("brick.bin", gltfBuffer(brick()));
   const std::filesystem::path file = directory.write(GetParam().file, GetParam().write(brick()));
   EXPECT_EQ(loadMesh(file).vertices, loadMesh(file).vertices);
@@ -47,7 +47,7 @@ INSTANTIATE_TEST_SUITE_P(Formats, EveryFormat,
                          });
 
 TEST(LoadMesh, SkipsAByteOrderMark) {
-  const MeshDirectory directory;
+  const testing::TemporaryDirectory directory;
   directory.write("brick.bin", gltfBuffer(brick()));
   const std::string mark = "\xEF\xBB\xBF";
   for (const auto& [name, text] : {std::pair{"brick.obj", objText(brick()).substr(sizeof("# a brick"))},
@@ -58,7 +58,7 @@ TEST(LoadMesh, SkipsAByteOrderMark) {
 }
 
 TEST(LoadMesh, AppliesTheTransformsOfAllAncestors) {
-  const MeshDirectory directory;
+  const testing::TemporaryDirectory directory;
   // Scaled by 2, rotated by 90 degrees about z, then translated by (1, 2, 4): (x, y, z) -> (1 - 2 y, 2 + 2 x, 4 + 2 z).
   const std::string nodes =
       R"([{"translation":[1,2,4],"children":[1]},{"rotation":[0,0,0.70710678118,0.70710678118],"children":[2]},{"scale":[2,2,2],"mesh":0}])";
@@ -76,7 +76,7 @@ TEST(LoadMesh, AppliesTheTransformsOfAllAncestors) {
 }
 
 TEST(LoadMesh, IncludesAMeshOncePerNode) {
-  const MeshDirectory directory;
+  const testing::TemporaryDirectory directory;
   const std::string nodes = R"([{"mesh":0,"children":[1]},{"mesh":0,"translation":[10,0,0]}])";
   const Mesh mesh = loadMesh(directory.write("brick.glb", glbBytes(brick(), nodes)));
   EXPECT_EQ(mesh.vertices.size(), 16u);
@@ -85,14 +85,14 @@ TEST(LoadMesh, IncludesAMeshOncePerNode) {
 }
 
 TEST(LoadMesh, MergesObjectsOfAnObjFile) {
-  const MeshDirectory directory;
+  const testing::TemporaryDirectory directory;
   const Mesh mesh = loadMesh(directory.write("two.obj", "o one\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no two\nv 0 0 5\nf 1 2 4\n"));
   EXPECT_EQ(mesh.vertices.size(), 4u);
   EXPECT_EQ(mesh.triangles.size(), 2u);
 }
 
 TEST(LoadMesh, ScalesAndPermutesAxesCyclically) {
-  const MeshDirectory directory;
+  const testing::TemporaryDirectory directory;
   const std::filesystem::path file = directory.write("brick.obj", objText(brick()));
   // The brick is 0.5 x 0.25 x 2 in the file.
   EXPECT_EQ(boundsOf(loadMesh(file, {.scale = 0.5})).max, (Vector3{0.25, 0.125, 1}));
@@ -101,7 +101,7 @@ TEST(LoadMesh, ScalesAndPermutesAxesCyclically) {
 }
 
 TEST(LoadMesh, TriangulatesConcavePolygons) {
-  const MeshDirectory directory;
+  const testing::TemporaryDirectory directory;
   // An L shape of area 3. A fan from its first corner would overlap itself.
   const Mesh mesh = loadMesh(directory.write("l.obj", "v 0 2 0\nv 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nf 1 2 3 4 5 6\n"));
   ASSERT_EQ(mesh.triangles.size(), 4u);
@@ -114,7 +114,7 @@ TEST(LoadMesh, TriangulatesConcavePolygons) {
 }
 
 TEST(LoadMesh, DropsLinesPointsAndDegenerateTriangles) {
-  const MeshDirectory directory;
+  const testing::TemporaryDirectory directory;
   const Mesh mesh =
       loadMesh(directory.write("mixed.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nv 9 9 9\nf 1 2 3\nf 1 2 4\nf 1 1 2\nl 1 5\np 5\n"));
   EXPECT_EQ(mesh.triangles.size(), 1u);
@@ -122,13 +122,13 @@ TEST(LoadMesh, DropsLinesPointsAndDegenerateTriangles) {
 }
 
 TEST(LoadMesh, DoesNotOpenMaterialFiles) {
-  const MeshDirectory directory;
+  const testing::TemporaryDirectory directory;
   const Mesh mesh = loadMesh(directory.write("brick.obj", "mtllib /dev/zero\nusemtl grey\n" + objText(brick())));
   EXPECT_EQ(canonical(mesh), canonical(brick()));
 }
 
 TEST(LoadMesh, MaxDepthErrorIsInMetresAfterScaling) {
-  const MeshDirectory directory;
+  const testing::TemporaryDirectory directory;
   support::Random random(1);
   // A sphere of radius 10 mm, in millimetres. Edges are at most 0.83 mm; vertices of adjacent triangles are 9 to 34 um off
   // a triangle's plane.
@@ -142,7 +142,7 @@ TEST(LoadMesh, MaxDepthErrorIsInMetresAfterScaling) {
 
 TEST(LoadMesh, DefaultMaxDepthErrorIsTenMicrometres) {
   EXPECT_EQ(MeshOptions{}.max_depth_error, 1e-5);
-  const MeshDirectory directory;
+  const testing::TemporaryDirectory directory;
   support::Random random(1);
   const Mesh plate = support::sheetWithHoles(30, 0.02, 4e-6, 0, random);
   const std::filesystem::path file = directory.write("plate.stl", stlBytes(plate));
@@ -152,7 +152,7 @@ TEST(LoadMesh, DefaultMaxDepthErrorIsTenMicrometres) {
 }
 
 TEST(LoadMesh, IsIndependentOfTheLocale) {
-  const MeshDirectory directory;
+  const testing::TemporaryDirectory directory;
   const std::filesystem::path file = directory.write("brick.obj", objText(brick()));
   const std::string before = std::setlocale(LC_ALL, nullptr);
   for (const char* locale : {"de_DE.UTF-8", "fr_FR.UTF-8", "C"}) std::setlocale(LC_ALL, locale);

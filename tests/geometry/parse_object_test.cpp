@@ -18,7 +18,7 @@ TEST(ParseObject, ReadsAllSolids) {
 }
 
 TEST(ParseObject, ReadsAMeshFileAndUsesItsStemAsName) {
-  const MeshDirectory directory;
+  const testing::TemporaryDirectory directory;
   const Object object = parseObject(directory.write("brick.obj", objText(brick())).string());
   EXPECT_EQ(object.name, "brick");
   EXPECT_EQ(canonical(std::get<Mesh>(object.shape)), canonical(brick()));

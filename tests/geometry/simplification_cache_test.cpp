@@ -23,11 +23,6 @@ const Mesh& ball() {
   return mesh;
 }
 
-std::string contentOf(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 // Uses a cache directory of its own.
 class SimplificationCache : public ::testing::Test {
  protected:
@@ -72,7 +67,7 @@ TEST_F(SimplificationCache, ReturnsTheSameMeshAgain) {
 
 TEST_F(SimplificationCache, ReadsTheFileAndRefusesDamage) {
   const Mesh expected = simplifyMeshOnce(ball(), kMaxError);
-  const std::string file = contentOf(stored().at(0));
+  const std::string file = testing::contentOf(stored().at(0));
   std::string content = file.substr(kDigestBytes);
 
   std::string moved = content;
@@ -87,7 +82,7 @@ TEST_F(SimplificationCache, ReadsTheFileAndRefusesDamage) {
   for (const std::string& damaged : {out_of_range, many, content.substr(0, content.size() - 12), std::string(), content + "123456789012"}) {
     store(damaged);
     EXPECT_EQ(simplifyMeshOnce(ball(), kMaxError).vertices, expected.vertices);
-    EXPECT_EQ(contentOf(stored().at(0)), file) << "the damaged file is not replaced";
+    EXPECT_EQ(testing::contentOf(stored().at(0)), file) << "the damaged file is not replaced";
   }
   std::string flipped = file;
   flipped[kDigestBytes + 16] ^= 1;
@@ -115,7 +110,7 @@ TEST_F(SimplificationCache, RemembersMeshesThatCannotBeSimplified) {
   constexpr double kTooSmall = 1e-7;  // m, below the sagitta of every triangle
   for (int n = 0; n < 2; ++n) {
     EXPECT_EQ(simplifyMeshOnce(ball(), kTooSmall).triangles, ball().triangles);
-    EXPECT_LT(contentOf(stored().at(0)).size(), 100u);
+    EXPECT_LT(testing::contentOf(stored().at(0)).size(), 100u);
   }
 }
 

@@ -106,7 +106,7 @@ TEST(BadSceneFiles, RejectsDelayInScenesOfContacts) {
   text = edited(text, "controller:\n  tactile_servo: {edge_angle: {kp: 0.78}}\n", "");
   EXPECT_EQ(refusalOf(text), "was accepted");
   EXPECT_THAT(refusalOf(edited(text, "trigger: 0.02", "delay: 0.01")),
-              testing::StartsWith(":5:3: sensor: readout.delay 0.01 s is not allowed: 0 in a scene of kind contacts"));
+              ::testing::StartsWith(":5:3: sensor: readout.delay 0.01 s is not allowed: 0 in a scene of kind contacts"));
 }
 
 TEST(BadScenes, Objects) {
@@ -175,9 +175,9 @@ TEST(BadSceneFiles, RejectsEmptyListsOfObjects) {
   const std::size_t end = text.find("episode:");
   const auto with = [&](const std::string& objects) { return text.substr(0, begin) + objects + text.substr(end); };
   EXPECT_THAT(refusalOf(with("objects: []\n")),
-              testing::StartsWith(":15:10: objects: a list of 0 is not allowed: a list of at least one object"));
-  EXPECT_THAT(refusalOf(with("objects: mesh.obj\n")), testing::StartsWith(":15:10: objects: mesh.obj is not allowed: a list"));
-  EXPECT_THAT(refusalOf(with("")), testing::StartsWith(":1:1: objects is missing: a list"));
+              ::testing::StartsWith(":15:10: objects: a list of 0 is not allowed: a list of at least one object"));
+  EXPECT_THAT(refusalOf(with("objects: mesh.obj\n")), ::testing::StartsWith(":15:10: objects: mesh.obj is not allowed: a list"));
+  EXPECT_THAT(refusalOf(with("")), ::testing::StartsWith(":1:1: objects is missing: a list"));
 }
 
 TEST(BadSceneFiles, ReportsPositionsInTheSensorFile) {
@@ -185,27 +185,27 @@ TEST(BadSceneFiles, ReportsPositionsInTheSensorFile) {
   const auto with = [&](const std::string& sensor) {
     return text.substr(0, text.find("sensor:")) + sensor + text.substr(text.find("robot:"));
   };
-  EXPECT_THAT(refusalOf(with("sensor: nowhere.yaml\n")), testing::StartsWith(":4:9: sensor: nowhere.yaml is not there, or not a file"));
+  EXPECT_THAT(refusalOf(with("sensor: nowhere.yaml\n")), ::testing::StartsWith(":4:9: sensor: nowhere.yaml is not there, or not a file"));
   EXPECT_THAT(refusalOf(with("sensor: sensor.yaml\n")),
-              testing::StartsWith("sensor.yaml:3:11: num_rows: 0 is not allowed: a whole number from 1 to 128"));
-  EXPECT_THAT(refusalOf(with("sensor: [a]\n")), testing::StartsWith(":4:9: sensor: a list of 1 is not allowed: a sensor file"));
-  EXPECT_THAT(refusalOf(with("sensor: {format_version: 1}\n")), testing::StartsWith(":4:10: sensor.format_version: unknown key"));
+              ::testing::StartsWith("sensor.yaml:3:11: num_rows: 0 is not allowed: a whole number from 1 to 128"));
+  EXPECT_THAT(refusalOf(with("sensor: [a]\n")), ::testing::StartsWith(":4:9: sensor: a list of 1 is not allowed: a sensor file"));
+  EXPECT_THAT(refusalOf(with("sensor: {format_version: 1}\n")), ::testing::StartsWith(":4:10: sensor.format_version: unknown key"));
 }
 
 TEST(BadSceneFiles, RejectsControllerAndActionsInScenesOfContacts) {
   const std::string contacts = edited(edited(kScene, "kind: servo", "kind: contacts"), "num_steps: 20, ", "");
-  EXPECT_THAT(refusalOf(contacts), testing::StartsWith(":26:3: controller: a scene of kind contacts has no controller"));
+  EXPECT_THAT(refusalOf(contacts), ::testing::StartsWith(":26:3: controller: a scene of kind contacts has no controller"));
   const std::string without = edited(contacts, "controller:\n  tactile_servo: {edge_angle: {kp: 0.78}}\n", "");
   EXPECT_EQ(refusalOf(without), "was accepted");
   EXPECT_THAT(refusalOf(edited(without, "[tactile_image, features]", "[actions]")),
-              testing::StartsWith(":25:10: record[0]: a scene of kind contacts has no actions"));
+              ::testing::StartsWith(":25:10: record[0]: a scene of kind contacts has no actions"));
 }
 
 TEST(BadSceneFiles, RejectsOverridesOutOfRange) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   const std::filesystem::path file = directory.write("scene.yaml", kScene);
   EXPECT_THAT(refusal(file, [&] { loadScene(file, {.num_episodes = 0, .seed = 1}); }),
-              testing::StartsWith("episodes: 0 is not allowed: a whole number from 1"));
+              ::testing::StartsWith("episodes: 0 is not allowed: a whole number from 1"));
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ struct BadScene {
 
 // The message for a scene file with this text, without the paths of files; "was accepted" if there is none.
 inline std::string refusalOf(std::string_view text) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   directory.write("mesh.obj", kMeshText);
   directory.write("not_a_mesh.obj", "nothing here\n");
   directory.write("sensor.yaml", "format_version: 1\nname: x\nnum_rows: 0\n");
@@ -32,7 +32,7 @@ inline std::string refusalOf(std::string_view text) {
 inline void expectRefusals(std::initializer_list<BadScene> table) {
   for (const BadScene& bad : table) {
     SCOPED_TRACE(bad.to);
-    EXPECT_THAT(refusalOf(edited(kScene, bad.from, bad.to)), testing::StartsWith(std::string(bad.message)));
+    EXPECT_THAT(refusalOf(edited(kScene, bad.from, bad.to)), ::testing::StartsWith(std::string(bad.message)));
   }
 }
 

@@ -25,13 +25,13 @@ std::string withConditions(std::string_view conditions = kConditions) {
 }
 
 Scene loaded(const std::string& text, const std::string& condition) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   directory.write("other.yaml", kOtherSensor);
   return loadScene(directory.write("scene.yaml", text), {.condition = condition});
 }
 
 std::string refusalOf(const std::string& text, const std::string& condition = "nominal") {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   directory.write("other.yaml", kOtherSensor);
   directory.write("wide.yaml", edited(kOtherSensor, "num_cols: 4", "num_cols: 5"));
   directory.write("fine.yaml", edited(kOtherSensor, "pitch_mm: 3.4", "pitch_mm: 3.3"));
@@ -46,7 +46,7 @@ TEST(SceneConditions, NominalIsTheSceneWithoutThem) {
   EXPECT_EQ(scene.resolved, plain.resolved);
   EXPECT_EQ(scene.condition, kNominalCondition);
   EXPECT_EQ(loaded(withConditions(), "").condition, kNominalCondition);
-  EXPECT_THAT(scene.conditions, testing::ElementsAre("noisy", "other"));
+  EXPECT_THAT(scene.conditions, ::testing::ElementsAre("noisy", "other"));
 }
 
 TEST(SceneConditions, ReplaceSingleKeysOfTheRandomization) {
@@ -81,23 +81,23 @@ TEST(SceneConditions, UnknownNamesAreAnsweredWithThoseThatExist) {
 
 TEST(SceneConditions, AllAreCheckedWhicheverIsLoaded) {
   const auto refused = [](std::string_view conditions) { return refusalOf(withConditions(conditions)); };
-  EXPECT_THAT(refused("conditions: [a]\n"), testing::StartsWith(":29:13: conditions: a list of 1 is not allowed: a mapping of names"));
-  EXPECT_THAT(refused("conditions: {a: }\n"), testing::StartsWith(":29:14: conditions.a: nothing is not allowed"));
+  EXPECT_THAT(refused("conditions: [a]\n"), ::testing::StartsWith(":29:13: conditions: a list of 1 is not allowed: a mapping of names"));
+  EXPECT_THAT(refused("conditions: {a: }\n"), ::testing::StartsWith(":29:14: conditions.a: nothing is not allowed"));
   EXPECT_THAT(refused("conditions: {nominal: {}}\n"),
-              testing::HasSubstr("conditions.nominal: this name means the scene without overrides"));
-  EXPECT_THAT(refused("conditions: {\"a b\": {}}\n"), testing::HasSubstr("a name has 1 to 40 letters, digits, _ and -"));
+              ::testing::HasSubstr("conditions.nominal: this name means the scene without overrides"));
+  EXPECT_THAT(refused("conditions: {\"a b\": {}}\n"), ::testing::HasSubstr("a name has 1 to 40 letters, digits, _ and -"));
   EXPECT_THAT(refused("conditions: {a: {task: {}}}\n"),
-              testing::StartsWith(":29:18: conditions.a.task: unknown key; allowed: sensor, randomization"));
+              ::testing::StartsWith(":29:18: conditions.a.task: unknown key; allowed: sensor, randomization"));
   EXPECT_THAT(refused("conditions: {a: {randomization: 3}}\n"),
-              testing::HasSubstr("conditions.a.randomization: 3 is not allowed: a mapping"));
+              ::testing::HasSubstr("conditions.a.randomization: 3 is not allowed: a mapping"));
   EXPECT_THAT(refused("conditions:\n  a:\n    randomization: {noise: -1}\n"),
-              testing::StartsWith(":31:28: randomization.noise: -1 is not allowed"));
-  EXPECT_THAT(refused("conditions: {a: {randomization: {nois: 1}}}\n"), testing::HasSubstr("randomization.nois: unknown key"));
-  EXPECT_THAT(refused("conditions: {a: {randomization: {load: 1, depth: 0}}}\n"), testing::HasSubstr("conflicts with `load`"));
-  EXPECT_THAT(refused("conditions: {a: {sensor: none.yaml}}\n"), testing::HasSubstr("none.yaml is not there, or not a file"));
+              ::testing::StartsWith(":31:28: randomization.noise: -1 is not allowed"));
+  EXPECT_THAT(refused("conditions: {a: {randomization: {nois: 1}}}\n"), ::testing::HasSubstr("randomization.nois: unknown key"));
+  EXPECT_THAT(refused("conditions: {a: {randomization: {load: 1, depth: 0}}}\n"), ::testing::HasSubstr("conflicts with `load`"));
+  EXPECT_THAT(refused("conditions: {a: {sensor: none.yaml}}\n"), ::testing::HasSubstr("none.yaml is not there, or not a file"));
   constexpr const char* kOtherTaxels = "in condition a its taxels are not those of the scene's own sensor";
-  EXPECT_THAT(refused("conditions: {a: {sensor: wide.yaml}}\n"), testing::EndsWith(kOtherTaxels));
-  EXPECT_THAT(refused("conditions: {a: {sensor: fine.yaml}}\n"), testing::EndsWith(kOtherTaxels));
+  EXPECT_THAT(refused("conditions: {a: {sensor: wide.yaml}}\n"), ::testing::EndsWith(kOtherTaxels));
+  EXPECT_THAT(refused("conditions: {a: {sensor: fine.yaml}}\n"), ::testing::EndsWith(kOtherTaxels));
 }
 
 TEST(SceneConditions, FormerSpellingOfTheRandomizationIsOverriddenToo) {

@@ -8,7 +8,7 @@
 namespace taxelsim {
 namespace {
 
-void loadOrRefuse(const ScratchDirectory& directory, const std::string& text) {
+void loadOrRefuse(const testing::TemporaryDirectory& directory, const std::string& text) {
   const std::filesystem::path file = directory.write("scene.yaml", text);
   std::string resolved;
   try {
@@ -24,13 +24,13 @@ void loadOrRefuse(const ScratchDirectory& directory, const std::string& text) {
 }
 
 RC_GTEST_PROP(FuzzedScene, CutAnywhere, ()) {
-  static const ScratchDirectory directory;
+  static const testing::TemporaryDirectory directory;
   const auto length = *rc::gen::inRange<std::size_t>(0, kScene.size());
   loadOrRefuse(directory, std::string(kScene.substr(0, length)));
 }
 
 RC_GTEST_PROP(FuzzedScene, BytesFlipped, ()) {
-  static const ScratchDirectory directory;
+  static const testing::TemporaryDirectory directory;
   std::string text(kScene);
   const int count = *rc::gen::inRange(1, 4);
   for (int i = 0; i < count; ++i) {
@@ -42,7 +42,7 @@ RC_GTEST_PROP(FuzzedScene, BytesFlipped, ()) {
 
 // Mutations with YAML punctuation reach more of the parser than random bytes.
 RC_GTEST_PROP(FuzzedScene, PunctuationStirredIn, ()) {
-  static const ScratchDirectory directory;
+  static const testing::TemporaryDirectory directory;
   static constexpr std::string_view kPunctuation = "[]{}:,-?&*!|>'\"%@`#~ \n\t\r01.eE<=";
   std::string text(kScene);
   const int count = *rc::gen::inRange(1, 6);
@@ -59,7 +59,7 @@ RC_GTEST_PROP(FuzzedScene, PunctuationStirredIn, ()) {
 }
 
 RC_GTEST_PROP(FuzzedScene, LinesExchangedOrLost, ()) {
-  static const ScratchDirectory directory;
+  static const testing::TemporaryDirectory directory;
   std::vector<std::string> lines;
   std::istringstream stream{std::string(kScene)};
   for (std::string line; std::getline(stream, line);) lines.push_back(line);
@@ -73,7 +73,7 @@ RC_GTEST_PROP(FuzzedScene, LinesExchangedOrLost, ()) {
 }
 
 RC_GTEST_PROP(FuzzedScene, BinaryGarbage, (const std::string& text)) {
-  static const ScratchDirectory directory;
+  static const testing::TemporaryDirectory directory;
   loadOrRefuse(directory, text);
 }
 

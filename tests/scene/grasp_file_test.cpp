@@ -1,20 +1,16 @@
 // Scenes of kind grasp: what their files may say, one clear line for anything else.
 #include "scene/scene_checks.h"
 #include "scene_text.h"
+#include "support/input_error.h"
 #include "support/test.h"
 #include "taxelsim/scene.h"
 
 namespace taxelsim {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 const std::filesystem::path kScenes = std::filesystem::path(TAXELSIM_SOURCE_DIR) / "scenes";
-
-std::string textOf(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
   const std::size_t at = text.find(from);
@@ -23,22 +19,23 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 }
 
 // The files that the gripper's scene names.
-void copyParts(const ScratchDirectory& directory) {
+void copyParts(const testing::TemporaryDirectory& directory) {
   for (const char* const folder : {"robots", "sensors"}) std::filesystem::create_directory(directory.path() / folder);
   for (const char* const file : {"sensors/fingertip_6x4.yaml", "sensors/wts0614_soft_cover.yaml", "sensors/wts0614_proximity.yaml",
                                  "robots/gripper.urdf", "robots/pan_tilt.yaml"}) {
     std::filesystem::copy_file(kScenes / file, directory.path() / file);
   }
-  directory.write("robots/gripper.yaml", textOf(kScenes / "robots/gripper.yaml"));
+  directory.write("robots/gripper.yaml", testing::contentOf(kScenes / "robots/gripper.yaml"));
 }
 
 // The message for the gripper's scene and robot after one change each.
 std::string refusalOf(const std::string& scene_from, const std::string& scene_to, const std::string& robot_from = "name",
                       const std::string& robot_to = "name") {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   copyParts(directory);
-  directory.write("robots/gripper.yaml", replaced(textOf(kScenes / "robots/gripper.yaml"), robot_from, robot_to));
-  const std::filesystem::path file = directory.write("scene.yaml", replaced(textOf(kScenes / "gripper_grasp.yaml"), scene_from, scene_to));
+  directory.write("robots/gripper.yaml", replaced(testing::contentOf(kScenes / "robots/gripper.yaml"), robot_from, robot_to));
+  const std::filesystem::path file =
+      directory.write("scene.yaml", replaced(testing::contentOf(kScenes / "gripper_grasp.yaml"), scene_from, scene_to));
   try {
     loadScene(file);
   } catch (const Error& error) {
@@ -62,7 +59,7 @@ TEST(GraspScene, LoadsAndItsResolvedTextIsItself) {
   EXPECT_EQ(scene.grasp->sensors[0].name, "palm");
   EXPECT_EQ(scene.grasp->sensors[1].text, scene.grasp->sensors[5].text);
   EXPECT_EQ(scene.objects.size(), 2u);
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   std::filesystem::copy_file(kScenes / "robots/shadow_hand.urdf", directory.path() / "shadow_hand.urdf");
   EXPECT_EQ(loadScene(directory.write("scene.yaml", scene.resolved)).resolved, scene.resolved);
 }
@@ -112,9 +109,9 @@ TEST(GraspScene, ReadsItsTask) {
   EXPECT_EQ(plain.grasp->task.hold, 0.5);
   EXPECT_FALSE(plain.grasp->task.drift);
   EXPECT_EQ(plain.resolved.find("task"), std::string::npos);  // the text of a scene without a task is that of its data sets so far
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   copyParts(directory);
-  const std::string given = textOf(kScenes / "gripper_grasp.yaml") + "task: {tolerance: 0.05, hold: 1, drift_mm: 0.5}\n";
+  const std::string given = testing::contentOf(kScenes / "gripper_grasp.yaml") + "task: {tolerance: 0.05, hold: 1, drift_mm: 0.5}\n";
   const Scene scene = loadScene(directory.write("scene.yaml", given));
   EXPECT_EQ(scene.grasp->task.tolerance, 0.05);
   EXPECT_EQ(scene.grasp->task.hold, 1);
@@ -168,7 +165,7 @@ TEST(GraspScene, ReadsTheServoOfThePalm) {
   }
   EXPECT_EQ(servo.servo[ServoFeature::kTotalForce].ki, 150);
   EXPECT_EQ(servo.servo.edge_angle_source, EdgeAngleSource::kWindow);
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   std::filesystem::copy_file(kScenes / "robots/lwr_shadow_hand.urdf", directory.path() / "lwr_shadow_hand.urdf");
   EXPECT_EQ(loadScene(directory.write("scene.yaml", scene.resolved)).resolved, scene.resolved);
 }
@@ -177,14 +174,7 @@ TEST(GraspScene, ReadsTheServoOfThePalm) {
 TEST(GraspScene, ChecksTheServoOfAProgram) {
   Scene scene = loadScene(kScenes / "experiments/paper/arm_hand_rest_scene.yaml");
   checkScene(scene);
-  const auto message = [&] {
-    try {
-      checkScene(scene);
-    } catch (const Error& error) {
-      return std::string(error.what());
-    }
-    return std::string("was accepted");
-  };
+  const auto message = [&] { return support::refusal([&] { checkScene(scene); }); };
   TactileServo& servo = scene.grasp->servo->servo;
   servo.edge_angle_source = EdgeAngleSource::kExact;
   EXPECT_THAT(message(), HasSubstr("grasp.servo.tactile_servo.edge_angle_source: exact is not allowed"));
@@ -203,19 +193,19 @@ TEST(GraspScene, RefusesBadRobots) {
 }
 
 // The gripper, whose first sensor has the place that the URDF gives it.
-std::string gripperWith(const ScratchDirectory& directory, const std::string& place, const std::string& sensor) {
+std::string gripperWith(const testing::TemporaryDirectory& directory, const std::string& place, const std::string& sensor) {
   std::filesystem::create_directory(directory.path() / "robots");
   std::filesystem::create_directory(directory.path() / "sensors");
   for (const char* const file : {"sensors/fingertip_6x4.yaml", "sensors/wts0614_soft_cover.yaml"})
     std::filesystem::copy_file(kScenes / file, directory.path() / file);
-  directory.write("robots/gripper.urdf", replaced(textOf(kScenes / "robots/gripper.urdf"), "</robot>", sensor + "</robot>"));
+  directory.write("robots/gripper.urdf", replaced(testing::contentOf(kScenes / "robots/gripper.urdf"), "</robot>", sensor + "</robot>"));
   directory.write("robots/gripper.yaml",
-                  replaced(textOf(kScenes / "robots/gripper.yaml"), "link: left_jaw, mount: {rpy_deg: [90, 0, 0]}", place));
-  return directory.write("scene.yaml", textOf(kScenes / "gripper_grasp.yaml"));
+                  replaced(testing::contentOf(kScenes / "robots/gripper.yaml"), "link: left_jaw, mount: {rpy_deg: [90, 0, 0]}", place));
+  return directory.write("scene.yaml", testing::contentOf(kScenes / "gripper_grasp.yaml"));
 }
 
 TEST(GraspScene, MountsAreReadFromTheTactileSensorsOfAUrdf) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   const std::string array = R"(<tactile channel="c"><array rows="6" cols="4" size="0.0025 0.0025"/></tactile></sensor>)";
   const std::string file = gripperWith(directory, "urdf_sensor: pad",
                                        R"(<sensor name="pad"><parent link="right_jaw"/><origin xyz="0.1 0 0" rpy="0 0 1"/>)" + array);
@@ -234,14 +224,9 @@ TEST(GraspScene, MountsAreReadFromTheTactileSensorsOfAUrdf) {
 
 TEST(GraspScene, RefusesBadMountsOfAUrdf) {
   const auto message = [](const std::string& place, const std::string& sensor) {
-    const ScratchDirectory directory;
+    const testing::TemporaryDirectory directory;
     const std::string file = gripperWith(directory, place, sensor);
-    try {
-      loadScene(file);
-    } catch (const Error& error) {
-      return std::string(error.what());
-    }
-    return std::string("was accepted");
+    return support::refusal([&] { loadScene(file); });
   };
   const std::string tactile = R"(<tactile><array rows="6" cols="4" size="0.0025 0.0025"/></tactile></sensor>)";
   EXPECT_THAT(message("urdf_sensor: pad", ""), HasSubstr("has no tactile sensor pad"));
@@ -253,7 +238,7 @@ TEST(GraspScene, RefusesBadMountsOfAUrdf) {
 }
 
 TEST(GraspScene, RobotsWithSensorsAreForThisKindOnly) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   const std::string text = edited(kScene, "robot: {free_flying: {}}", "robot: " + (kScenes / "robots/gripper.yaml").string());
   const std::filesystem::path file = directory.write("scene.yaml", text);
   directory.write("mesh.obj", kMeshText);

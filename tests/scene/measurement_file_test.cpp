@@ -7,8 +7,8 @@
 namespace taxelsim {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 constexpr std::string_view kSensor = R"(format_version: 1
 name: small
@@ -36,7 +36,7 @@ class Bench {
   }
 
  private:
-  ScratchDirectory directory_;
+  testing::TemporaryDirectory directory_;
   std::filesystem::path file_;
 };
 
@@ -59,7 +59,7 @@ TEST(MeasurementFile, ReadsEveryKind) {
       Bench("measurement: point_images\nindenter: {flat_pin: {radius_mm: 0.5}}\n", "x_mm,y_m,r0_c1,r0_c0,force_mN\n1,0.002,7,8,9\n").load();
   const auto& images = std::get<PointImages>(point.data);
   EXPECT_THAT(images.position, ElementsAre(std::array<double, 2>{0.001, 0.002}));
-  EXPECT_THAT(images.force, ElementsAre(testing::DoubleEq(0.009)));
+  EXPECT_THAT(images.force, ElementsAre(::testing::DoubleEq(0.009)));
   EXPECT_THAT(images.images.counts, ElementsAre(8, 7));
   EXPECT_EQ(images.images.num_taxels, 2u);
   EXPECT_TRUE(images.images.time.empty());
@@ -109,7 +109,7 @@ TEST(MeasurementFile, ReadsFootprintsAndUniformPresses) {
   EXPECT_THAT(footprint.mask->pressure, ElementsAre(0, 1, 1, 0, 0.5f, 0));
   EXPECT_EQ(footprint.position_error, 0.0002);
   EXPECT_THAT(footprint.position, ElementsAre(std::array<double, 2>{0, 0})) << "without columns of the place: in the middle";
-  EXPECT_THAT(footprint.yaw, ElementsAre(testing::DoubleEq(std::numbers::pi / 2)));
+  EXPECT_THAT(footprint.yaw, ElementsAre(::testing::DoubleEq(std::numbers::pi / 2)));
 
   const Measurement stamp =
       Bench("measurement: footprint_images\nindenter: {stamp: {size_mm: [4, 5]}}\n", "x_mm,y_mm,r0_c0,r0_c1\n1,2,8,7\n").load();

@@ -14,19 +14,19 @@ std::string withMotion(const std::string& motion) {
   return edited(kScene, kPlace, "    motion: " + motion + "\n");
 }
 
-Scene load(const ScratchDirectory& directory, const std::string& motion) {
+Scene load(const testing::TemporaryDirectory& directory, const std::string& motion) {
   return loadScene(directory.write("scene.yaml", withMotion(motion)));
 }
 
 template <typename Kind>
 Kind motionOf(const std::string& text) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   directory.write("way.csv", kWay);
   return std::get<Kind>(load(directory, text).objects[0].motion.value());
 }
 
 TEST(MotionFile, ObjectsRestByDefault) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   for (const SceneObject& object : loadScene(directory.write("scene.yaml", kScene)).objects) EXPECT_FALSE(object.motion);
 }
 
@@ -63,7 +63,7 @@ TEST(MotionFile, HandHeldHasDefaults) {
 }
 
 TEST(MotionFile, ResolvedSceneHasEverySetting) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   directory.write("way.csv", kWay);
   std::vector<std::string> texts;
   for (const std::string motion :
@@ -85,7 +85,7 @@ TEST(MotionFile, ResolvedSceneHasEverySetting) {
 }
 
 TEST(MotionFile, RejectsBadBlocks) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   directory.write("way.csv", kWay);
   directory.write("bad.csv", "1,2\n");
   const std::vector<std::pair<std::string, std::string>> table = {
@@ -115,28 +115,28 @@ TEST(MotionFile, RejectsBadBlocks) {
   };
   for (const auto& [motion, message] : table) {
     const std::filesystem::path file = directory.write("scene.yaml", withMotion(motion));
-    EXPECT_THAT(refusal(file, [&] { loadScene(file); }), testing::StartsWith(message)) << motion;
+    EXPECT_THAT(refusal(file, [&] { loadScene(file); }), ::testing::StartsWith(message)) << motion;
   }
 }
 
 TEST(MotionFile, RejectsMotionInScenesOfContacts) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   std::string text = edited(withMotion("{hand_held: {}}"), "kind: servo", "kind: contacts");
   text = edited(edited(text, "num_steps: 20, ", ""), "controller:\n  tactile_servo: {edge_angle: {kp: 0.78}}\n", "");
   const std::filesystem::path file = directory.write("scene.yaml", text);
   EXPECT_THAT(refusal(file, [&] { loadScene(file); }),
-              testing::StartsWith(":17:13: objects[0].motion: a scene of kind contacts has one frame, in which nothing moves"));
+              ::testing::StartsWith(":17:13: objects[0].motion: a scene of kind contacts has one frame, in which nothing moves"));
 
   const std::string sensor = (std::filesystem::path(TAXELSIM_SOURCE_DIR) / "scenes/sensors/wts0614_soft_cover.yaml").string();
   const std::filesystem::path experiment = directory.write(
       "experiment.yaml", "format_version: 1\nname: x\nexperiment: static\nreference: " + sensor + "\nsensors: [{sensor: " + sensor +
                              "}]\nobjects:\n  - sphere: {radius: 1}\n    motion: {hand_held: {}}\nyaw: [0]\nloads: [1]\n");
   EXPECT_THAT(refusal(experiment, [&] { loadStaticExperiment(experiment); }),
-              testing::StartsWith(":8:13: objects[0].motion: objects of a static experiment do not move"));
+              ::testing::StartsWith(":8:13: objects[0].motion: objects of a static experiment do not move"));
 }
 
 TEST(WaypointFile, AcceptsByteOrderMarkBlanksCommentsAndWindowsLines) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   const auto points = loadWaypoints(directory.write("way.csv",
                                                     "# recorded\r\n\r\ntime_s, x_m, y_m, z_m, qw, qx, qy, qz\r\n"
                                                     " 0 , 1 ,2, 3,1,0,0,0 # start\r\n1e0,1,2,3,0,0,0,-1"));
@@ -148,7 +148,7 @@ TEST(WaypointFile, AcceptsByteOrderMarkBlanksCommentsAndWindowsLines) {
 }
 
 TEST(WaypointFile, RejectsBadFiles) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   const std::string heading = "time_s,x_m,y_m,z_m,qw,qx,qy,qz\n";
   const std::vector<std::pair<std::string, std::string>> table = {
       {"", ":1:1: no waypoint found: the file needs the heading time_s,x_m,y_m,z_m,qw,qx,qy,qz and at least one line"},
@@ -172,9 +172,9 @@ TEST(WaypointFile, RejectsBadFiles) {
   };
   for (const auto& [text, message] : table) {
     const std::filesystem::path file = directory.write("way.csv", text);
-    EXPECT_THAT(refusal(file, [&] { loadWaypoints(file); }), testing::StartsWith(message)) << text;
+    EXPECT_THAT(refusal(file, [&] { loadWaypoints(file); }), ::testing::StartsWith(message)) << text;
   }
-  EXPECT_THAT(refusal(directory.path(), [&] { loadWaypoints(directory.path()); }), testing::StartsWith(": a directory, not a file"));
+  EXPECT_THAT(refusal(directory.path(), [&] { loadWaypoints(directory.path()); }), ::testing::StartsWith(": a directory, not a file"));
 }
 
 }  // namespace

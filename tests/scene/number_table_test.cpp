@@ -7,8 +7,8 @@
 namespace taxelsim {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 Sensor grid(int num_rows, int num_cols, std::string name = "pad") {
   Sensor sensor;
@@ -17,17 +17,17 @@ Sensor grid(int num_rows, int num_cols, std::string name = "pad") {
 }
 
 TEST(NumberTable, FindsColumnsByNameInSiUnits) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   const NumberTable table(directory.write("t.csv", "# a bench\r\nforce_mN , counts,depth_um\r\n\r\n500,7,250 # a row\n-1,8,0\n"));
   EXPECT_EQ(table.numRows(), 2u);
   EXPECT_THAT(table.require(kForce), ElementsAre(0.5, -0.001));
-  EXPECT_THAT(table.require(kDepth), ElementsAre(testing::DoubleEq(250e-6), 0));
+  EXPECT_THAT(table.require(kDepth), ElementsAre(::testing::DoubleEq(250e-6), 0));
   EXPECT_THAT(table.require(kCounts), ElementsAre(7, 8));
   EXPECT_TRUE(table.find(kRecordedTime).empty());
 }
 
 TEST(NumberTable, FindsTaxelsByPattern) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   const NumberTable table(directory.write("t.csv", "t,m_r01_c0,m_r00_c0,m_r00_c1,m_r01_c1\n0,1,2,3,4\n"));
   EXPECT_THAT(table.taxelColumns(grid(2, 2), "m_r{row}_c{col}"), ElementsAre(2, 3, 1, 4));
   EXPECT_THAT(table.taxelColumns(grid(2, 2), "m_r{col}_c{row}"), ElementsAre(2, 1, 3, 4));
@@ -38,7 +38,7 @@ TEST(NumberTable, FindsTaxelsByPattern) {
 }
 
 TEST(NumberTable, MessageNamesLineAndColumn) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   const std::filesystem::path file = directory.write("t.csv", "# one\n\nforce_N,counts\n1,4\n# two\n2,5\n\n\n3,6\n");
   const NumberTable table(file);
   EXPECT_EQ(refusal(file, [&] { table.failAtValue(0, 0, "x"); }), ":4:1: force_N: x");
@@ -47,7 +47,7 @@ TEST(NumberTable, MessageNamesLineAndColumn) {
 }
 
 TEST(NumberTable, RejectsBadFiles) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   const std::vector<std::pair<std::string, std::string>> table = {
       {"", ":1:1: no row found"},
       {"force_N\n", ":2:1: no row found: the table needs a heading"},
@@ -64,13 +64,13 @@ TEST(NumberTable, RejectsBadFiles) {
   };
   for (const auto& [text, message] : table) {
     const std::filesystem::path file = directory.write("t.csv", text);
-    EXPECT_THAT(refusal(file, [&] { NumberTable{file}; }), testing::StartsWith(message)) << text;
+    EXPECT_THAT(refusal(file, [&] { NumberTable{file}; }), ::testing::StartsWith(message)) << text;
   }
-  EXPECT_THAT(refusal(directory.path(), [&] { NumberTable{directory.path()}; }), testing::StartsWith(": a directory, not a file"));
+  EXPECT_THAT(refusal(directory.path(), [&] { NumberTable{directory.path()}; }), ::testing::StartsWith(": a directory, not a file"));
 }
 
 TEST(NumberTable, RejectsMissingAndAmbiguousColumns) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   const std::filesystem::path file = directory.write("t.csv", "# bench\nforce_N,force_mN,r0_c0,r00_c0\n1,2,3,4\n");
   const NumberTable table(file);
   EXPECT_EQ(refusal(file, [&] { table.require(kDepth); }), ":2:1: missing column of the depth: depth_m or depth_mm or depth_um");

@@ -9,7 +9,7 @@ namespace taxelsim {
 namespace {
 
 std::string resolved(std::string_view text, const SceneOverrides& overrides = {}) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   return loadScene(directory.write("scene.yaml", text), overrides).resolved;
 }
 
@@ -33,10 +33,10 @@ TEST(Resolved, IsAValidSceneThatResolvesToItself) {
 }
 
 TEST(Resolved, DoesNotDependOnTheDirectory) {
-  const ScratchDirectory one;
-  const ScratchDirectory two;
+  const testing::TemporaryDirectory one;
+  const testing::TemporaryDirectory two;
   const std::string scene = edited(kScene, "sphere: {radius_mm: 5}", "mesh: mesh.obj");
-  for (const ScratchDirectory* directory : {&one, &two}) {
+  for (const testing::TemporaryDirectory* directory : {&one, &two}) {
     directory->write("mesh.obj", kMeshText);
     directory->write("scene.yaml", scene);
   }
@@ -49,7 +49,7 @@ TEST(Resolved, DoesNotDependOnTheDirectory) {
 }
 
 TEST(Resolved, DoesNotDependOnWhereSensorAndMeshAre) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   directory.write("deep/down/mesh.obj", kMeshText);
   directory.write("mesh.obj", kMeshText);
   const std::string text(kScene);
@@ -72,12 +72,12 @@ TEST(Resolved, DoesNotDependOnWhereSensorAndMeshAre) {
 }
 
 TEST(Resolved, HasTheHashOfAMesh) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   const std::filesystem::path file = directory.write("scene.yaml", edited(kScene, "sphere: {radius_mm: 5}", "mesh: mesh.obj"));
   directory.write("mesh.obj", kMeshText);
   const std::string before = loadScene(file).resolved;
   // The output of sha256sum for kMeshText.
-  EXPECT_THAT(before, testing::HasSubstr("sha256: \"af72715adabcffe1822c22ec53986be67d1430b62f4f8ff6cd0e5f329e8ada39\""));
+  EXPECT_THAT(before, ::testing::HasSubstr("sha256: \"af72715adabcffe1822c22ec53986be67d1430b62f4f8ff6cd0e5f329e8ada39\""));
   directory.write("resolved.yaml", before);
   EXPECT_EQ(loadScene(directory.path() / "resolved.yaml").resolved, before);
   std::string commented(kMeshText);
@@ -85,22 +85,22 @@ TEST(Resolved, HasTheHashOfAMesh) {
   directory.write("mesh.obj", commented);
   EXPECT_NE(loadScene(file).resolved, before);
   EXPECT_THAT(refusal(directory.path() / "resolved.yaml", [&] { loadScene(directory.path() / "resolved.yaml"); }),
-              testing::HasSubstr("not the SHA-256 of"));
+              ::testing::HasSubstr("not the SHA-256 of"));
 }
 
 TEST(Resolved, HasTheDepthErrorOfSimplifiedMeshes) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   directory.write("mesh.obj", kMeshText);
   const auto with = [&](const std::string& setting) {
     return loadScene(directory.write("scene.yaml", edited(kScene, "sphere: {radius_mm: 5}", "mesh: mesh.obj" + setting))).resolved;
   };
-  EXPECT_THAT(with(""), testing::HasSubstr("\n    max_depth_error: 1e-05\n"));
+  EXPECT_THAT(with(""), ::testing::HasSubstr("\n    max_depth_error: 1e-05\n"));
   EXPECT_EQ(with("\n    max_depth_error_mm: 0.01"), with(""));
-  EXPECT_THAT(with("\n    max_depth_error_mm: 0.02"), testing::HasSubstr("\n    max_depth_error: 2e-05\n"));
-  EXPECT_THAT(with("\n    max_depth_error: 0"), testing::HasSubstr("\n    max_depth_error: 0\n"));
+  EXPECT_THAT(with("\n    max_depth_error_mm: 0.02"), ::testing::HasSubstr("\n    max_depth_error: 2e-05\n"));
+  EXPECT_THAT(with("\n    max_depth_error: 0"), ::testing::HasSubstr("\n    max_depth_error: 0\n"));
   const std::string text = with("\n    max_depth_error_mm: 0.02");
   EXPECT_EQ(loadScene(directory.write("resolved.yaml", text)).resolved, text);
-  EXPECT_THAT(resolved(kScene), testing::Not(testing::HasSubstr("max_depth_error")));
+  EXPECT_THAT(resolved(kScene), ::testing::Not(::testing::HasSubstr("max_depth_error")));
 }
 
 TEST(Resolved, DoesNotDependOnTheLocale) {

@@ -22,7 +22,7 @@ std::string withRobot(const std::string& robot) {
   return edited(kScene, kMount, "robot: " + robot);
 }
 
-class RobotFile : public testing::Test {
+class RobotFile : public ::testing::Test {
  protected:
   RobotFile() {
     directory.write("arm.urdf", kArm);
@@ -35,7 +35,7 @@ class RobotFile : public testing::Test {
     return refusal(file, [&] { loadScene(file); });
   }
 
-  ScratchDirectory directory;
+  testing::TemporaryDirectory directory;
 };
 
 TEST_F(RobotFile, HasAFreeFlyingSensorWithoutTheBlock) {
@@ -93,9 +93,9 @@ TEST_F(RobotFile, ReadsRobotFiles) {
   directory.write("robots/arm.yaml", "format_version: 1\nurdf: {file: arm.urdf, sensors: [{link: tool}]}\n");
   EXPECT_EQ(load("robots/arm.yaml").resolved, load("{urdf: {file: arm.urdf, sensors: [{link: tool}]}}").resolved);
   const std::filesystem::path bad = directory.write("robots/arm.yaml", "format_version: 1\nurdf: {file: arm.urdf}\n");
-  EXPECT_THAT(refusalOf("robots/arm.yaml"), testing::StartsWith(bad.string() + ":2:7: urdf: sensors is missing: a list of at least one"));
+  EXPECT_THAT(refusalOf("robots/arm.yaml"), ::testing::StartsWith(bad.string() + ":2:7: urdf: sensors is missing: a list of at least one"));
   directory.write("robots/arm.yaml", "format_version: 2\n");
-  EXPECT_THAT(refusalOf("robots/arm.yaml"), testing::HasSubstr("arm.yaml:1:17: format_version: version 2 is newer than this program"));
+  EXPECT_THAT(refusalOf("robots/arm.yaml"), ::testing::HasSubstr("arm.yaml:1:17: format_version: version 2 is newer than this program"));
 }
 
 TEST_F(RobotFile, ShippedRobotsLoad) {
@@ -150,7 +150,7 @@ TEST_F(RobotFile, ResolvedSceneHasEverySetting) {
     const std::string text = load(robot).resolved;
     EXPECT_TRUE(texts.insert(text).second) << robot;
     // The canonical text refers to files in its own directory.
-    const ScratchDirectory folder;
+    const testing::TemporaryDirectory folder;
     folder.write("arm.urdf", robot.find("other") == std::string::npos ? std::string(kArm) : std::string(kArm) + "<!-- another -->");
     EXPECT_EQ(loadScene(folder.write("resolved.yaml", text)).resolved, text) << robot;
   }
@@ -203,7 +203,7 @@ TEST_F(RobotFile, RejectsBadBlocks) {
       {"{urdf: {file: arm.urdf, sensors: [{link: tool}], initial_positions: [{joint: lift, position_deg: 1}]}}",
        ":14:91: robot.urdf.initial_positions[0].position_deg: unknown key, did you mean 'position_mm'?"},
   };
-  for (const auto& [robot, message] : table) EXPECT_THAT(refusalOf(robot), testing::StartsWith(message)) << robot;
+  for (const auto& [robot, message] : table) EXPECT_THAT(refusalOf(robot), ::testing::StartsWith(message)) << robot;
 }
 
 TEST_F(RobotFile, RejectsRobotsInScenesOfContacts) {
@@ -211,7 +211,7 @@ TEST_F(RobotFile, RejectsRobotsInScenesOfContacts) {
   text = edited(edited(text, "num_steps: 20, ", ""), "controller:\n  tactile_servo: {edge_angle: {kp: 0.78}}\n", "");
   const std::filesystem::path file = directory.write("scene.yaml", text);
   EXPECT_THAT(refusal(file, [&] { loadScene(file); }),
-              testing::StartsWith(":14:8: robot: a scene of kind contacts has one frame, in which nothing moves"));
+              ::testing::StartsWith(":14:8: robot: a scene of kind contacts has one frame, in which nothing moves"));
 }
 
 }  // namespace

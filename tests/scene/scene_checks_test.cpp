@@ -10,7 +10,7 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 Scene scene() {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   return loadScene(directory.write("scene.yaml", kScene));
 }
 

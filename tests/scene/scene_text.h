@@ -1,8 +1,7 @@
-// A small valid scene, temporary directories for files, and edits of texts.
+// A small valid scene, and edits of texts.
 #pragma once
 
-#include <stdlib.h>
-
+#include "support/temporary_directory.h"
 #include "support/test.h"
 #include "taxelsim/error.h"
 
@@ -49,33 +48,6 @@ inline std::string edited(std::string_view text, std::string_view from, std::str
   EXPECT_EQ(result.find(from, at + 1), std::string::npos) << from;
   return at == std::string::npos ? result : result.replace(at, from.size(), to);
 }
-
-// A temporary directory; the destructor removes it with its files.
-class ScratchDirectory {
- public:
-  ScratchDirectory() {
-    std::string name = (std::filesystem::temp_directory_path() / "taxelsim-scene-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no scratch directory");
-    path_ = name;
-  }
-  ~ScratchDirectory() {
-    std::error_code error;
-    std::filesystem::remove_all(path_, error);
-  }
-  ScratchDirectory(const ScratchDirectory&) = delete;
-  ScratchDirectory& operator=(const ScratchDirectory&) = delete;
-
-  const std::filesystem::path& path() const { return path_; }
-
-  std::filesystem::path write(const std::string& name, std::string_view text) const {
-    std::filesystem::create_directories((path_ / name).parent_path());
-    std::ofstream(path_ / name, std::ios::binary) << text;
-    return path_ / name;
-  }
-
- private:
-  std::filesystem::path path_;
-};
 
 // The message of the error that `load` throws, without the leading name of `file`. Expects one line and kind kInput.
 template <typename Function>

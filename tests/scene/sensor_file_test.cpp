@@ -12,7 +12,7 @@ namespace {
 constexpr double kRotationTolerance = 1e-15;
 
 Sensor load(const std::string& text) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   return loadSensor(directory.write("sensor.yaml", "format_version: 1\nname: x\n" + text));
 }
 
@@ -216,7 +216,7 @@ TEST(SensorFile, NormalizesQuaternions) {
 }
 
 TEST(SceneFile, HasTheDefaultsOfTheHeader) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   const std::string sensor = std::string("format_version: 1\nname: x\n") + kGrid + kRest;
   directory.write("sensors/x.yaml", sensor);
   const Scene scene = loadScene(directory.write("scene.yaml", R"(format_version: 1
@@ -262,7 +262,7 @@ controller: {tactile_servo: {edge_angle: {kp: 1}}}
 }
 
 TEST(SceneFile, ReadsEverySetting) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   directory.write("meshes/mesh.obj", kMeshText);
   std::string text = edited(kScene, "sphere: {radius_mm: 5}", "{mesh: meshes/mesh.obj, scale: 2, up_axis: x, name: m}");
   text = edited(text, "    weight: 2\n", "");
@@ -329,7 +329,7 @@ TEST(SceneFile, ReadsEverySetting) {
 // The simplification of a flat plate of 20 x 20 cells keeps the vertices of its border only.
 TEST(SceneFile, SimplifiesMeshesWithinMaxDepthError) {
   constexpr int kCells = 20;
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   std::string plate;
   for (int i = 0; i <= kCells; ++i) {
     for (int j = 0; j <= kCells; ++j) plate += "v " + std::to_string(1e-3 * i) + " " + std::to_string(1e-3 * j) + " 0\n";
@@ -353,7 +353,7 @@ TEST(SceneFile, SimplifiesMeshesWithinMaxDepthError) {
 
 TEST(SceneFile, NamesManyObjectsInLinearTime) {
   constexpr int kMany = 50'000;  // takes minutes if the search for each name starts at the first one
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   const std::string text(kScene);
   std::string objects = "objects:\n  - {name: sphere_3, sphere: {radius: 1}}\n";
   for (int i = 0; i < kMany; ++i) objects += "  - sphere: {radius: 1}\n";
@@ -366,7 +366,7 @@ TEST(SceneFile, NamesManyObjectsInLinearTime) {
 }
 
 TEST(SceneFile, ReadsEverySolid) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   const std::string text(kScene);
   const Scene scene = loadScene(directory.write("scene.yaml", text.substr(0, text.find("objects:")) + R"(objects:
   - sphere: {radius_mm: 1}

@@ -84,7 +84,7 @@ TEST(ShippedSensors, AllLoad) {
 
 // The writer compared with the reader, for the layouts, laws, spreads and readouts of the shipped sensors.
 TEST(ShippedSensors, SensorTextReadsBackAsTheSameSensor) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   std::vector<Sensor> sensors;
   for (const std::filesystem::path& file : yamlFiles(kScenes / "sensors")) sensors.push_back(loadSensor(file));
   Sensor& odd = sensors.emplace_back(sensors.front());

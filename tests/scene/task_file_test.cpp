@@ -19,13 +19,13 @@ std::string sceneText(std::string_view rest) {
 }
 
 Scene loaded(const std::string& text) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   directory.write("ring.csv", kRing);
   return loadScene(directory.write("scene.yaml", text));
 }
 
 std::string refusalOf(const std::string& text, std::string_view ring = kRing) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   directory.write("ring.csv", ring);
   const std::filesystem::path file = directory.write("scene.yaml", text);
   return refusal(file, [&] { loadScene(file); });
@@ -79,7 +79,7 @@ TEST(TaskFile, ReadsNamesAndWeightsOfControllers) {
 }
 
 TEST(TaskFile, ResolvedSceneResolvesToItself) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   directory.write("ring.csv", kRing);
   const std::string text = edited(sceneText("task: {contour: {tolerance_mm: 1}, laps: 0}\n"),
                                   "  - cylinder: {radius_mm: 8, length_mm: 40}\n    edge: [0, 3, 4]\n    anchor_mm: [1, 2, 3]\n", "");
@@ -90,7 +90,7 @@ TEST(TaskFile, ResolvedSceneResolvesToItself) {
 TEST(TaskFile, RejectsBadTasks) {
   const auto expect = [](const std::string& text, const std::string& part, std::string_view ring = kRing) {
     SCOPED_TRACE(text);
-    EXPECT_THAT(refusalOf(text, ring), testing::HasSubstr(part));
+    EXPECT_THAT(refusalOf(text, ring), ::testing::HasSubstr(part));
   };
   const auto task = [](const std::string& what) { return sceneText("task: " + what + "\n"); };
   expect(task("{}"), "task: no success criterion: at least one of edge_angle, total_force, center, contour");

@@ -42,14 +42,14 @@ constexpr std::string_view kUrdf = R"(<?xml version="1.0"?>
 )";
 
 Sensor load(const std::string& text) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   directory.write("taxels.obj", kTaxelMesh);
   directory.write("hand.urdf", kUrdf);
   return loadSensor(directory.write("sensor.yaml", "format_version: 1\nname: x\n" + text + kRest));
 }
 
 std::string refusalOf(const std::string& text, std::string_view urdf = kUrdf, std::string_view mesh = kTaxelMesh) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   directory.write("taxels.obj", mesh);
   directory.write("hand.urdf", urdf);
   const std::filesystem::path file = directory.write("sensor.yaml", "format_version: 1\nname: x\n" + text + kRest);
@@ -96,7 +96,7 @@ TEST(TaxelList, Has1To4096Taxels) {
   };
   EXPECT_EQ(numTaxels(load(list(1))), 1);
   EXPECT_EQ(numTaxels(load(list(4096))), 4096);
-  EXPECT_THAT(refusalOf(list(4097)), testing::StartsWith(":4:3: taxels: a list of 4097 is not allowed: at most 4096 taxels"));
+  EXPECT_THAT(refusalOf(list(4097)), ::testing::StartsWith(":4:3: taxels: a list of 4097 is not allowed: at most 4096 taxels"));
 }
 
 TEST(TaxelMeshFile, AppliesScale) {
@@ -154,7 +154,7 @@ TEST(Urdf, OrdersTaxelsByIndex) {
 
 // The canonical text of a scene with the taxels of `layout`; its files are in the same directory.
 std::string resolved(const std::string& layout, std::string_view mesh = kTaxelMesh, std::string_view urdf = kUrdf) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   directory.write("taxels.obj", mesh);
   directory.write("hand.urdf", urdf);
   const std::string text = edited(kScene, "  num_rows: 3\n  num_cols: 4\n  pitch_mm: 3.4\n", layout);
@@ -167,14 +167,14 @@ TEST(TaxelFiles, ResolveToThemselves) {
                                    "  taxel_mesh: {file: taxels.obj, scale: 0.001}\n", "  urdf: {file: hand.urdf, sensor: columns}\n"}) {
     SCOPED_TRACE(layout);
     const std::string text = resolved(layout);
-    const ScratchDirectory directory;
+    const testing::TemporaryDirectory directory;
     directory.write("taxels.obj", kTaxelMesh);
     directory.write("hand.urdf", kUrdf);
     EXPECT_EQ(loadScene(directory.write("scene.yaml", text)).resolved, text);
   }
   const std::string spread = resolved("  taxels: [{position_mm: [1, 2, 3], normal: [0, 0, 1], size_mm: 2}]\n");
   const std::string metres = edited(spread, "    gaussian:\n      sigma: 0.5\n      size: 3\n", "    skin_gaussian:\n      sigma: 0.001\n");
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   const std::string once = loadScene(directory.write("scene.yaml", metres)).resolved;
   EXPECT_EQ(loadScene(directory.write("again.yaml", once)).resolved, once);
 }
@@ -205,65 +205,65 @@ TEST(BadTaxels, Lists) {
                          Bad{"taxels:", "num_rows: 1\ntaxels:", ":3:11: num_rows: conflicts with `taxels`"}}) {
     const std::string message = refusalOf(edited(good, bad.from, bad.to));
     if (bad.from == "taxels:") {
-      EXPECT_THAT(message, testing::HasSubstr(bad.message.substr(bad.message.find(' ')))) << bad.to;
+      EXPECT_THAT(message, ::testing::HasSubstr(bad.message.substr(bad.message.find(' ')))) << bad.to;
     } else {
-      EXPECT_THAT(message, testing::StartsWith(bad.message)) << bad.to;
+      EXPECT_THAT(message, ::testing::StartsWith(bad.message)) << bad.to;
     }
   }
-  EXPECT_THAT(refusalOf("taxels: []\n"), testing::StartsWith(":3:9: taxels: a list of 0 is not allowed: a list of at least one taxel"));
-  EXPECT_THAT(refusalOf("taxels: 3\n"), testing::StartsWith(":3:9: taxels: 3 is not allowed: a list of at least one taxel"));
+  EXPECT_THAT(refusalOf("taxels: []\n"), ::testing::StartsWith(":3:9: taxels: a list of 0 is not allowed: a list of at least one taxel"));
+  EXPECT_THAT(refusalOf("taxels: 3\n"), ::testing::StartsWith(":3:9: taxels: 3 is not allowed: a list of at least one taxel"));
 }
 
 TEST(BadTaxels, Spreads) {
   const std::string taxel = "taxels: [{position: [0, 0, 0], normal: [0, 0, 1], size: 0.001}]\npsf: ";
-  EXPECT_THAT(refusalOf(taxel + "{skin_gaussian: {}}\n"), testing::HasSubstr("psf.skin_gaussian: sigma[_mm] is missing: a number > 0 m"));
-  EXPECT_THAT(refusalOf(taxel + "{skin_gaussian: {sigma: 0}}\n"), testing::HasSubstr("psf.skin_gaussian.sigma: 0 is not allowed"));
+  EXPECT_THAT(refusalOf(taxel + "{skin_gaussian: {}}\n"), ::testing::HasSubstr("psf.skin_gaussian: sigma[_mm] is missing: a number > 0 m"));
+  EXPECT_THAT(refusalOf(taxel + "{skin_gaussian: {sigma: 0}}\n"), ::testing::HasSubstr("psf.skin_gaussian.sigma: 0 is not allowed"));
   EXPECT_THAT(refusalOf(taxel + "{skin_gaussian: {sigma: 1, reach: -1}}\n"),
-              testing::HasSubstr("psf.skin_gaussian.reach: -1 is not allowed"));
-  EXPECT_THAT(refusalOf(taxel + "{skin_gaussian: {sigma: 1, size: 3}}\n"), testing::HasSubstr("psf.skin_gaussian.size: unknown key"));
+              ::testing::HasSubstr("psf.skin_gaussian.reach: -1 is not allowed"));
+  EXPECT_THAT(refusalOf(taxel + "{skin_gaussian: {sigma: 1, size: 3}}\n"), ::testing::HasSubstr("psf.skin_gaussian.size: unknown key"));
   EXPECT_THAT(refusalOf(taxel + "{skin_gaussian: {sigma: 1}, kernel: [[1]]}\n"),
-              testing::HasSubstr("psf.kernel: conflicts with `skin_gaussian`: give only one of them"));
+              ::testing::HasSubstr("psf.kernel: conflicts with `skin_gaussian`: give only one of them"));
   EXPECT_THAT(refusalOf(taxel + "{skin_gaussian: {sigma: 1}, gaussian: {sigma: 1, size: 1}}\n"),
-              testing::HasSubstr("psf.skin_gaussian: conflicts with `gaussian`: give only one of them"));
+              ::testing::HasSubstr("psf.skin_gaussian: conflicts with `gaussian`: give only one of them"));
   EXPECT_THAT(refusalOf("num_rows: 40\nnum_cols: 40\npitch: 0.001\npsf: {skin_gaussian: {sigma: 0.01}}\n"),
-              testing::HasSubstr("psf: reach: 0.03 is not allowed: m, within which taxel"));
+              ::testing::HasSubstr("psf: reach: 0.03 is not allowed: m, within which taxel"));
 }
 
 TEST(BadTaxels, Meshes) {
   EXPECT_THAT(refusalOf("taxel_mesh: taxels.obj\n"),
-              testing::StartsWith(":3:13: taxel_mesh: taxels.obj is not allowed: a mapping of file"));
-  EXPECT_THAT(refusalOf("taxel_mesh: {}\n"), testing::HasSubstr("taxel_mesh: file is missing: a mesh file"));
-  EXPECT_THAT(refusalOf("taxel_mesh: {file: nowhere.obj}\n"), testing::HasSubstr("nowhere.obj is not there, or not a file"));
-  EXPECT_THAT(refusalOf("taxel_mesh: {file: hand.urdf}\n"), testing::HasSubstr("hand.urdf: unsupported mesh format"));
-  EXPECT_THAT(refusalOf("taxel_mesh: {file: taxels.obj, scale: 0}\n"), testing::HasSubstr("taxel_mesh.scale: 0 is not allowed"));
-  EXPECT_THAT(refusalOf("taxel_mesh: {file: taxels.obj, sha256: '00'}\n"), testing::HasSubstr("taxel_mesh.sha256: not the SHA-256"));
+              ::testing::StartsWith(":3:13: taxel_mesh: taxels.obj is not allowed: a mapping of file"));
+  EXPECT_THAT(refusalOf("taxel_mesh: {}\n"), ::testing::HasSubstr("taxel_mesh: file is missing: a mesh file"));
+  EXPECT_THAT(refusalOf("taxel_mesh: {file: nowhere.obj}\n"), ::testing::HasSubstr("nowhere.obj is not there, or not a file"));
+  EXPECT_THAT(refusalOf("taxel_mesh: {file: hand.urdf}\n"), ::testing::HasSubstr("hand.urdf: unsupported mesh format"));
+  EXPECT_THAT(refusalOf("taxel_mesh: {file: taxels.obj, scale: 0}\n"), ::testing::HasSubstr("taxel_mesh.scale: 0 is not allowed"));
+  EXPECT_THAT(refusalOf("taxel_mesh: {file: taxels.obj, sha256: '00'}\n"), ::testing::HasSubstr("taxel_mesh.sha256: not the SHA-256"));
   EXPECT_THAT(refusalOf("taxel_mesh: {file: taxels.obj}\n", kUrdf, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
-              testing::HasSubstr("taxel_mesh.file: triangle 0 has no other with which it makes a taxel"));
+              ::testing::HasSubstr("taxel_mesh.file: triangle 0 has no other with which it makes a taxel"));
   std::string many;
   for (int t = 0; t < 4097; ++t) {
     const std::string x = std::to_string(2 * t), next = std::to_string(2 * t + 1);
     many += "v " + x + " 0 0\nv " + next + " 0 0\nv " + next + " 1 0\nv " + x + " 1 0\nf -4 -3 -2 -1\n";
   }
-  EXPECT_THAT(refusalOf("taxel_mesh: {file: taxels.obj}\n", kUrdf, many), testing::HasSubstr("8194 triangles are not allowed"));
+  EXPECT_THAT(refusalOf("taxel_mesh: {file: taxels.obj}\n", kUrdf, many), ::testing::HasSubstr("8194 triangles are not allowed"));
 }
 
 TEST(BadTaxels, Urdfs) {
   const std::string list = "urdf: {file: hand.urdf, sensor: list}\n", gaps = "urdf: {file: hand.urdf, sensor: gaps}\n";
-  EXPECT_THAT(refusalOf("urdf: {file: hand.urdf}\n"), testing::HasSubstr("urdf: sensor is missing"));
-  EXPECT_THAT(refusalOf("urdf: {file: no.urdf, sensor: list}\n"), testing::HasSubstr("no.urdf is not there"));
+  EXPECT_THAT(refusalOf("urdf: {file: hand.urdf}\n"), ::testing::HasSubstr("urdf: sensor is missing"));
+  EXPECT_THAT(refusalOf("urdf: {file: no.urdf, sensor: list}\n"), ::testing::HasSubstr("no.urdf is not there"));
   EXPECT_THAT(refusalOf("urdf: {file: hand.urdf, sensor: palm}\n"),
-              testing::HasSubstr("hand.urdf:2: <robot> has no tactile sensor palm; it has grid, gaps, columns, flipped, list"));
-  EXPECT_THAT(refusalOf("urdf: {file: hand.urdf, sensor: camera}\n"), testing::HasSubstr("has no tactile sensor camera"));
-  EXPECT_THAT(refusalOf(list, "<robot>"), testing::HasSubstr("is not XML"));
-  EXPECT_THAT(refusalOf(list, ""), testing::HasSubstr("is not XML"));
-  EXPECT_THAT(refusalOf(list, "<sdf/>"), testing::HasSubstr("is not a URDF: no <robot>"));
+              ::testing::HasSubstr("hand.urdf:2: <robot> has no tactile sensor palm; it has grid, gaps, columns, flipped, list"));
+  EXPECT_THAT(refusalOf("urdf: {file: hand.urdf, sensor: camera}\n"), ::testing::HasSubstr("has no tactile sensor camera"));
+  EXPECT_THAT(refusalOf(list, "<robot>"), ::testing::HasSubstr("is not XML"));
+  EXPECT_THAT(refusalOf(list, ""), ::testing::HasSubstr("is not XML"));
+  EXPECT_THAT(refusalOf(list, "<sdf/>"), ::testing::HasSubstr("is not a URDF: no <robot>"));
   EXPECT_THAT(refusalOf(list, "<robot><sensor name='list'><tactile/></sensor></robot>"),
-              testing::HasSubstr("neither an <array> nor a <taxel>"));
+              ::testing::HasSubstr("neither an <array> nor a <taxel>"));
   std::string deep;
   for (int level = 0; level < 100'000; ++level) deep += "<a>";
-  EXPECT_THAT(refusalOf(list, deep), testing::HasSubstr("is not XML"));
+  EXPECT_THAT(refusalOf(list, deep), ::testing::HasSubstr("is not XML"));
   const auto expect = [](const std::string& yaml, std::string_view from, std::string_view to, const std::string& message) {
-    EXPECT_THAT(refusalOf(yaml, edited(kUrdf, from, to)), testing::HasSubstr(message)) << to;
+    EXPECT_THAT(refusalOf(yaml, edited(kUrdf, from, to)), ::testing::HasSubstr(message)) << to;
   };
   const std::string_view array = "size=\"0.002 0.003\" spacing=\"0.004 0.005\" offset=\"0.001 0.002\"";
   expect(gaps, array, "", "hand.urdf:11: <array> size is missing: two lengths > 0 m");

@@ -18,7 +18,7 @@ std::string repeated(std::string_view piece, std::size_t count) {
 }
 
 TEST(ReadYamlFile, RejectsOtherThanRegularFiles) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   const std::filesystem::path missing = directory.path() / "missing.yaml";
   EXPECT_EQ(refusal(missing, [&] { loadScene(missing); }), ": no such file");
   EXPECT_EQ(refusal(directory.path(), [&] { loadScene(directory.path()); }), ": a directory, not a file");
@@ -27,7 +27,7 @@ TEST(ReadYamlFile, RejectsOtherThanRegularFiles) {
 }
 
 TEST(ReadYamlFile, RejectsLargeFilesBeforeReading) {
-  const ScratchDirectory directory;
+  const testing::TemporaryDirectory directory;
   const std::filesystem::path file = directory.write("large.yaml", "");
   std::filesystem::resize_file(file, kMaxYamlBytes + 1);
   EXPECT_EQ(refusal(file, [&] { loadScene(file); }), ": 16777217 bytes are too many: at most 16777216");
@@ -42,15 +42,15 @@ TEST(ParseYaml, RejectsBytesThatAreNotText) {
   EXPECT_EQ(parseRefusal("a: \xED\xA0\x80"), ":1:4: not a YAML file: the text is not UTF-8");
   EXPECT_EQ(parseRefusal("a: b: c"), ":1:5: not YAML: illegal map value");
   EXPECT_EQ(parseRefusal("a:\n\tb: 1"), ":2:1: a tab before the text of a line: indent with spaces");
-  EXPECT_THAT(parseRefusal("a: [1, 2"), testing::StartsWith(":1:1: not YAML: "));
-  EXPECT_THAT(parseRefusal("a: \"open"), testing::StartsWith(":1:9: not YAML: "));
+  EXPECT_THAT(parseRefusal("a: [1, 2"), ::testing::StartsWith(":1:1: not YAML: "));
+  EXPECT_THAT(parseRefusal("a: \"open"), ::testing::StartsWith(":1:9: not YAML: "));
 }
 
 TEST(ParseYaml, RejectsAnchorsAliasesAndTags) {
-  EXPECT_THAT(parseRefusal("a: &x [1, 1]\nb: [*x, *x]"), testing::StartsWith(":1:4: an anchor"));
-  EXPECT_THAT(parseRefusal("a: &x 1"), testing::StartsWith(":1:4: an anchor"));
-  EXPECT_THAT(parseRefusal("a: !!binary x"), testing::StartsWith(":1:4: a tag"));
-  EXPECT_THAT(parseRefusal("a: 1\n---\nb: 1"), testing::StartsWith(":2:1: a second document"));
+  EXPECT_THAT(parseRefusal("a: &x [1, 1]\nb: [*x, *x]"), ::testing::StartsWith(":1:4: an anchor"));
+  EXPECT_THAT(parseRefusal("a: &x 1"), ::testing::StartsWith(":1:4: an anchor"));
+  EXPECT_THAT(parseRefusal("a: !!binary x"), ::testing::StartsWith(":1:4: a tag"));
+  EXPECT_THAT(parseRefusal("a: 1\n---\nb: 1"), ::testing::StartsWith(":2:1: a second document"));
   EXPECT_EQ(parseRefusal(std::string("[").append(repeated("1,", kMaxYamlNodes + 1)).append("]")),
             ":1:2000000: more than 1000000 values in one file");
 }
@@ -58,10 +58,10 @@ TEST(ParseYaml, RejectsAnchorsAliasesAndTags) {
 TEST(ParseYaml, RejectsDeepNestingInEveryForm) {
   constexpr std::size_t kDeep = 10'000;  // overflows the stack of a recursive parser
   const std::string expected = "nested deeper than 64 levels";
-  EXPECT_THAT(parseRefusal(repeated("[", kDeep) + repeated("]", kDeep)), testing::HasSubstr(expected));
-  EXPECT_THAT(parseRefusal(repeated("[a: ", kDeep) + repeated("]", kDeep)), testing::HasSubstr(expected));
-  EXPECT_THAT(parseRefusal(repeated("- ", kDeep) + "1"), testing::HasSubstr(expected));
-  EXPECT_THAT(parseRefusal(repeated("{a: ", kDeep) + "1" + repeated("}", kDeep)), testing::HasSubstr(expected));
+  EXPECT_THAT(parseRefusal(repeated("[", kDeep) + repeated("]", kDeep)), ::testing::HasSubstr(expected));
+  EXPECT_THAT(parseRefusal(repeated("[a: ", kDeep) + repeated("]", kDeep)), ::testing::HasSubstr(expected));
+  EXPECT_THAT(parseRefusal(repeated("- ", kDeep) + "1"), ::testing::HasSubstr(expected));
+  EXPECT_THAT(parseRefusal(repeated("{a: ", kDeep) + "1" + repeated("}", kDeep)), ::testing::HasSubstr(expected));
   // Without their closing brackets yaml-cpp takes these for keys.
   EXPECT_EQ(parseRefusal(repeated("[", kDeep)), ":1:1: a key must be a word");
   EXPECT_EQ(parseRefusal(repeated("[a: ", kDeep)), ":1:1: a key must be a word");
@@ -69,7 +69,7 @@ TEST(ParseYaml, RejectsDeepNestingInEveryForm) {
   EXPECT_EQ(parseRefusal(repeated("? ", kDeep)), ":1:3: a key must be a word");
   std::string block;
   for (std::size_t i = 0; i < 2000; ++i) block += std::string(i, ' ') + "a:\n";
-  EXPECT_THAT(parseRefusal(block), testing::HasSubstr(expected));
+  EXPECT_THAT(parseRefusal(block), ::testing::HasSubstr(expected));
 }
 
 TEST(ParseYaml, AcceptsSixtyFourLevels) {

@@ -1,6 +1,7 @@
 
 
 #include "sensor/example_sensor.h"
+#include "support/input_error.h"
 #include "support/test.h"
 #include "taxelsim/error.h"
 
@@ -11,12 +12,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::string errorOf(const Sensor& sensor) {
-  try {
-    checkSensor(sensor);
-  } catch (const Error& error) {
-    return error.kind() == ErrorKind::kInput ? error.what() : "wrong kind";
-  }
-  return {};
+  return support::refusal([&] { checkSensor(sensor); });
 }
 
 void expectRefused(const std::string& field, const std::function<void(Sensor&)>& change) {
@@ -30,7 +26,7 @@ void expectRefused(const std::string& field, const std::function<void(Sensor&)>&
 void expectAccepted(const std::function<void(Sensor&)>& change) {
   Sensor sensor = exampleSensor();
   change(sensor);
-  EXPECT_EQ(errorOf(sensor), "");
+  EXPECT_EQ(errorOf(sensor), support::kNoRefusal);
 }
 
 Winkler& law(Sensor& sensor) {
