@@ -15,7 +15,8 @@
 #define BLOCK_Taxels BLOCK(Taxels, TaxelRecord, taxels[])
 #define BLOCK_SpreadRows BLOCK(SpreadRows, vec4, spread_rows[])
 #define BLOCK_SpreadScale BLOCK(SpreadScale, float, spread_scale[])  // (t)
-#define BLOCK_MaskScale BLOCK(MaskScale, float, mask_scale[])  // (t): force that a source gives to deformation_mask per newton, on one grid patch
+#define BLOCK_MaskScale \
+  BLOCK(MaskScale, float, mask_scale[])       // (t): force that a source gives to deformation_mask per newton, on one grid patch
 #define BLOCK_Mask BLOCK(Mask, vec2, mask[])  // (MASK_SOURCES / 2 x t x 2), deformation_mask: source taxel (as bits), weight
 #define BLOCK_Influence BLOCK(Influence, float, influence[])  // (node rows x 2 rows of strips), elastic layer
 #define BLOCK_Planes BLOCK(Planes, PlaneRecord, planes[])
@@ -51,11 +52,11 @@
 #define BLOCK_ContactShear BLOCK(ContactShear, float, contact_shear[])       // (n x t x 2), N
 #define BLOCK_ContactDepth BLOCK(ContactDepth, float, contact_depth[])       // (n x t), m
 #define BLOCK_TileResults BLOCK(TileResults, TileResult, tile_results[])     // (n x num_tiles)
-#define BLOCK_Heights BLOCK(Heights, uint, heights[])         // (n x num_nodes), elastic layer: m as bits, depth/slots.glsl
-#define BLOCK_NodeCells BLOCK(NodeCells, uint, node_cells[])  // (n x num_nodes x kNodeCellWords), shared/elastic_layer.h
-#define BLOCK_Windows BLOCK(Windows, uvec4, windows[])        // (n x tiles of heights): nodes under objects, as TileResult::window
-#define BLOCK_Layer BLOCK(Layer, uvec2, layer[])              // arrays over strips of nodes, kLayer...
-#define BLOCK_TaxelStates BLOCK(TaxelStates, float, taxel_states[])     // (n x num_states x t), readout/lag.glsl
+#define BLOCK_Heights BLOCK(Heights, uint, heights[])                        // (n x num_nodes), elastic layer: m as bits, depth/slots.glsl
+#define BLOCK_NodeCells BLOCK(NodeCells, uint, node_cells[])                 // (n x num_nodes x kNodeCellWords), shared/elastic_layer.h
+#define BLOCK_Windows BLOCK(Windows, uvec4, windows[])               // (n x tiles of heights): nodes under objects, as TileResult::window
+#define BLOCK_Layer BLOCK(Layer, uvec2, layer[])                     // arrays over strips of nodes, kLayer...
+#define BLOCK_TaxelStates BLOCK(TaxelStates, float, taxel_states[])  // (n x num_states x t), readout/lag.glsl
 #define BLOCK_ImageWindows BLOCK(ImageWindows, uvec4, image_windows[])  // window of the step before: first row and column, their numbers
 #define BLOCK_AxisPlays BLOCK(AxisPlays, float, axis_plays[])           // (n x 3 x t), N, three_axis.comp
 #define BLOCK_Forces BLOCK(Forces, float, forces[])  // (n x t, features/taxel_words.glsl), N, that contact features are computed from

@@ -20,8 +20,8 @@ TAXELSIM_CONSTANT kLayerOverstress = 6u;
 // With area sampling the last array is a node's own compliance less that of a whole cell, 1. A skin that relaxes has that of the dent
 // before it, kept from frame to frame.
 
-// The part of a node's cell that an object covers, with area sampling. Words: mean height (m, as bits, with the slot in the lowest ones) over
-// the covered part; covered share (a float's bits), 0 where nothing touches; centroid from the middle of the cell in its widths (2 x
+// The part of a node's cell that an object covers, with area sampling. Words: mean height (m, as bits, with the slot in the lowest ones)
+// over the covered part; covered share (a float's bits), 0 where nothing touches; centroid from the middle of the cell in its widths (2 x
 // kCentroidBits, times kCentroidUnit) and how far an edge bounds the covered part (kEdgeBits, 0 to 1), from the lowest bits.
 TAXELSIM_CONSTANT kNodeCellWords = 3u;
 TAXELSIM_CONSTANT kCentroidBits = 11u;

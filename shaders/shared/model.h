@@ -78,8 +78,8 @@ struct TileRecord {
 struct TaxelRecord {
   vec4 chart;    // position in C, m; area, m^2
   vec4 readout;  // gain; trigger, N; patch; z of the position in `reception`
-  // The force that the point spread brings to the taxel if every taxel has the same force: the mean position of its sources, in C, x and y, m; the
-  // trigger again, so that a fit takes one fetch; its sum over that force, times the calibrated gain.
+  // The force that the point spread brings to the taxel if every taxel has the same force: the mean position of its sources, in C, x and y,
+  // m; the trigger again, so that a fit takes one fetch; its sum over that force, times the calibrated gain.
   vec4 reception;
 };
 
