@@ -14,7 +14,8 @@ constexpr double kMaxBytes = 256 << 20;
 double numBytes(const DatasetReader& reader) {
   double bytes = 0;
   for (const Column& column : reader.manifest().columns)
-    bytes += static_cast<double>(rowBytes(column)) * static_cast<double>(column.per_episode ? reader.numEpisodes() : reader.numFrames());
+    bytes += static_cast<double>(dataset::rowBytes(column)) *
+             static_cast<double>(column.per_episode ? reader.numEpisodes() : reader.numFrames());
   return bytes;
 }
 

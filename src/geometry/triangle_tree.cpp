@@ -86,7 +86,7 @@ void TriangleTree::build(const Mesh& mesh, std::uint32_t first, std::uint32_t en
     return corners[0][axis] + corners[1][axis] + corners[2][axis];
   };
   Node node{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}, first, end - first};
-  Vector3 low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};  // bounds of three times the centroids
+  Vector3 low{kFar, kFar, kFar}, high{-kFar, -kFar, -kFar};  // bounds of three times the centroids
   for (std::uint32_t i = first; i < end; ++i) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       low[axis] = std::min(low[axis], sumAlong(order_[i], axis));
