@@ -76,7 +76,7 @@ void fillTaxels(const OutputOptions& outputs, const BatchBuffers& buffers, std::
   GroundTruthView& truth = frame.ground_truth;
   frame.tactile_image = buffers.output<block::Image>().first(num_taxels);
 #define TAXELSIM_FILL(view, name, block_, components) \
-  if (outputs.name) view.name = buffers.output<block::block_>().first(components * num_taxels);
+  if (outputs.name) (view).name = buffers.output<block::block_>().first((components)*num_taxels);
 #define TAXELSIM_FILL_TRUE(name, block_, type, leading, components, ...) TAXELSIM_FILL(truth, name, block_, leading* components)
 #define TAXELSIM_FILL_MEASURED(name, block_, type, leading, components, ...) TAXELSIM_FILL(frame, name, block_, leading* components)
   TAXELSIM_TRUE_TAXELS(TAXELSIM_FILL_TRUE)
