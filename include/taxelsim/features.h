@@ -52,10 +52,10 @@ struct ContactFeatureView : FeatureView {
 
 /// Derivatives of features by a small twist of the sensor while the objects stay; N = num_instances x num_rows.
 ///
-/// Six columns: velocity v of the origin of S along x, y, z of S (per m), then angular velocity w about x, y, z of S (per rad). For a twist
-/// of the objects with the sensor at rest the sign is opposite: a sensor that moves along +x has d center_of_pressure x / d v_x = -1. Rows
-/// of an instance: the sensor, then its patches (none for a list of taxels), as in ContactFeatureView. Undefined values are 0, never NaN:
-/// all without contact, the row of an edge angle with confidence 0.
+/// Six columns: velocity v of the origin of S along x, y, z of S (per m), then angular velocity w about x, y, z of S (per rad). The sign is
+/// opposite where the sensor rests and the objects move: d center_of_pressure x / d v_x is -1 for a sensor that moves along +x. An
+/// instance has a row for the sensor, then one for each patch (none for a list of taxels), as in ContactFeatureView. Undefined derivatives
+/// are 0, never NaN: all derivatives without contact, those of an edge angle with confidence 0.
 ///
 /// Computed from the samples of this frame by the force balance of each taxel (Reynolds' transport theorem; shaders/skin/cell_fluxes.glsl):
 /// a sideways motion transports force through the taxel's sides, a vertical motion changes it by the law's stiffness. They are therefore

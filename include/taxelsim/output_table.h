@@ -4,7 +4,7 @@
 
 // Each row: X(name, is_default, is_derivative, where, text).
 //   name           field of OutputOptions, word of `record` in a scene
-//   is_default     whether a simulator has the output unless told otherwise
+//   is_default     default of the field in OutputOptions
 //   is_derivative  whether it needs the derivatives of forces by a twist of the sensor
 //   where          where a caller finds it, in Python's words
 //   text           content and cost

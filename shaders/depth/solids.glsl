@@ -90,8 +90,8 @@ bool isKind(uint kind, uint wanted) { return OBJECT_KINDS == (1u << wanted) || (
 
 const float kBottomless = -1e30;
 
-// A half-space looks down on a sample if the z of its unit normal exceeds this. One that does not is at full depth where it holds the
-// sample, and nowhere else: a floor behind the sensor or a wall beside it does not press.
+// Smallest z of the unit normal of a half-space that looks down on a sample. Any other half-space has full depth at the samples inside it
+// and does not press on the rest: neither a floor behind the sensor nor a wall beside it presses.
 const float kLeastDescent = 1e-6;
 
 // Rays go along z of P. Their points are o + t d in O, where t = 0 is at the height of O's origin; `from`: the ray from O's origin, across,

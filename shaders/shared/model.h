@@ -101,7 +101,7 @@ struct PlaneRecord {
   vec4 X_SC_row0, X_SC_row1, X_SC_row2;
   uvec4 grid;   // rows; cols; first taxel; a taxel at least this far from all silent taxels belongs to a wide face, in taxels
   vec4 pitch;   // along x and y of C, m; the larger of both, m; taxel force per pressure on a wide face, N/Pa
-  vec4 spread;  // what the point spread and the taxel size add to second moments: xx, xy, yy of C, m^2; 0
+  vec4 spread;  // second moments of the point spread and of a taxel: xx, xy, yy of C, m^2; 0
   vec4 even;    // second moments of the plane's taxels under even pressure: xx, xy, yy of C, m^2; 0
 };
 

@@ -24,11 +24,11 @@ constexpr double kParameterTolerance = 1e-9;  // step relative to the parameters
 constexpr double kGradientTolerance = 1e-10;  // largest component of the projected gradient
 constexpr double kFirstDamping = 1e-4;
 constexpr double kMostDamping = 1e32;
-constexpr double kLeastDiagonal = 1e-6;   // of the damped normal equations, for parameters without influence
-constexpr double kLeastReduction = 1e-3;  // actual over predicted reduction of an accepted step
-constexpr double kLeastDecrease = 0.1;    // of the slope along a step (L. Armijo 1966): a fifth of the reduction that a parabola predicts
-constexpr double kLeastContraction = 0.1, kMostContraction = 0.6;  // of a step that is searched
-constexpr int kMostTrials = 20;
+constexpr double kLeastDiagonal = 1e-6;   // holds parameters without influence in the damped normal equations
+constexpr double kLeastReduction = 1e-3;  // a step is accepted if the actual reduction is this share of the predicted one
+constexpr double kLeastDecrease = 0.1;    // the line search ends where the cost falls by this share of the slope (L. Armijo 1966)
+constexpr double kLeastContraction = 0.1, kMostContraction = 0.6;  // a trial shortens the step before it by a factor in this range
+constexpr int kMostTrials = 20;                                    // trials of a line search
 
 // Scaled parameters: shared, then the own ones of each group.
 struct Layout {

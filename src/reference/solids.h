@@ -16,8 +16,8 @@ double firstHit(const HalfSpace& half_space, const Vector3& origin, const Vector
 double firstHit(const Cone& cone, const Vector3& origin, const Vector3& direction);
 double firstHit(const Torus& torus, const Vector3& origin, const Vector3& direction);
 
-// firstHit() as the surface over a point of the skin, the origin. A half-space that does not look down on it is at full depth, -infinity,
-// where it holds it, and nowhere else: a floor behind the sensor or a wall beside it does not press.
+// Returns firstHit() as the surface over a point of the skin, the origin. A half-space that does not look down on the point has full depth,
+// -infinity, if the point lies inside it, and does not press otherwise: neither a floor behind the sensor nor a wall beside it presses.
 template <typename Solid>
 double surfaceOver(const Solid& solid, const Vector3& origin, const Vector3& direction) {
   return firstHit(solid, origin, direction);

@@ -15,39 +15,61 @@ std::span<const T> sliceOf(std::span<const T> all, int instance, int num_instanc
   return all.subspan(static_cast<std::size_t>(instance) * per_instance, per_instance);
 }
 
-void appendBits(std::span<const float> all, int instance, int num_instances, std::vector<std::uint32_t>& bits) {
-  for (const float value : sliceOf(all, instance, num_instances)) {
-    bits.push_back(std::bit_cast<std::uint32_t>(value));
-  }
-}
+// The bits of the arrays of one instance.
+class Bits {
+ public:
+  Bits(int instance, int num_instances) : instance_(instance), num_instances_(num_instances) {}
 
-// Integers, flags and enums.
-template <typename T>
-void appendBits(std::span<const T> all, int instance, int num_instances, std::vector<std::uint32_t>& bits) {
-  for (const T value : sliceOf(all, instance, num_instances)) bits.push_back(static_cast<std::uint32_t>(value));
-}
-
-void appendFeatureBits(const FeatureView& view, int instance, int num_instances, std::vector<std::uint32_t>& bits) {
-  for (const std::span<const float> array : {view.total_force, view.peak_force, view.center_of_pressure, view.second_moments,
-                                             view.eigenvalues, view.edge_angle, view.edge_confidence, view.contact_area}) {
-    appendBits(array, instance, num_instances, bits);
+  template <typename T>
+  void add(std::span<const T> all) {
+    for (const T value : sliceOf(all, instance_, num_instances_)) {
+      if constexpr (std::is_same_v<T, float>) {
+        bits_.push_back(std::bit_cast<std::uint32_t>(value));
+      } else {
+        bits_.push_back(static_cast<std::uint32_t>(value));
+      }
+    }
   }
-}
 
-void appendBits(const ContactFeatureView& view, int instance, int num_instances, std::vector<std::uint32_t>& bits) {
-  appendFeatureBits(view, instance, num_instances, bits);
-  for (const std::span<const float> array : {view.windowed_edge_angle, view.windowed_edge_confidence, view.tilt, view.tilt_confidence}) {
-    appendBits(array, instance, num_instances, bits);
+// Statements for the rows of taxelsim/feature_table.h and output_table.h: adds the array of `view`.
+#define TAXELSIM_BITS(constant, name, ...) add(view.name);
+#define TAXELSIM_TAXEL_BITS(name, ...) add(view.name);
+  void addFeatures(const FeatureView& view) {
+    TAXELSIM_IMAGE_FEATURES(TAXELSIM_BITS)
   }
-  appendBits(view.contact_type, instance, num_instances, bits);
-  for (const std::span<const std::int32_t> array : {view.patch, view.num_regions}) appendBits(array, instance, num_instances, bits);
-}
+  void add(const ContactFeatureView& view) {
+    addFeatures(view);
+    TAXELSIM_CONTACT_FEATURES(TAXELSIM_BITS)
+    TAXELSIM_REGION_FEATURES(TAXELSIM_BITS)
+  }
+  void add(const TactileJacobianView& view) {
+    TAXELSIM_JACOBIAN_FEATURES(TAXELSIM_BITS)
+  }
+  void addMeasured(const FrameView& view) {
+    add(view.tactile_image);
+    addFeatures(view);
+    TAXELSIM_READOUT_FEATURES(TAXELSIM_BITS)
+    TAXELSIM_MEASURED_TAXELS(TAXELSIM_TAXEL_BITS)
+    add(view.contact);
+    add(view.jacobian);
+  }
+  void addTruth(const GroundTruthView& view) {
+    addFeatures(view);
+    TAXELSIM_TRUTH_FEATURES(TAXELSIM_BITS)
+    TAXELSIM_TRUE_TAXELS(TAXELSIM_TAXEL_BITS)
+    add(view.contact);
+    add(view.jacobian);
+    add(view.jacobian.contact_wrench);
+  }
 
-void appendBits(const TactileJacobianView& view, int instance, int num_instances, std::vector<std::uint32_t>& bits) {
-  for (const std::span<const float> array : {view.center_of_pressure, view.total_force, view.edge_angle}) {
-    appendBits(array, instance, num_instances, bits);
+  std::vector<std::uint32_t> take() {
+    return std::move(bits_);
   }
-}
+
+ private:
+  int instance_, num_instances_;
+  std::vector<std::uint32_t> bits_;
+};
 
 void expectFinite(std::span<const float> values, std::size_t size, const char* name) {
   EXPECT_EQ(values.size(), size) << name;
@@ -55,14 +77,8 @@ void expectFinite(std::span<const float> values, std::size_t size, const char* n
 }
 
 void expectFeaturesWellFormed(const FeatureView& view, std::size_t n) {
-  expectFinite(view.total_force, n, "total_force");
-  expectFinite(view.peak_force, n, "peak_force");
-  expectFinite(view.center_of_pressure, 3 * n, "center_of_pressure");
-  expectFinite(view.second_moments, 3 * n, "second_moments");
-  expectFinite(view.eigenvalues, 2 * n, "eigenvalues");
-  expectFinite(view.edge_angle, n, "edge_angle");
-  expectFinite(view.edge_confidence, n, "edge_confidence");
-  expectFinite(view.contact_area, n, "contact_area");
+#define TAXELSIM_FINITE(constant, name, offset, width, ...) expectFinite(view.name, width* n, #name);
+  TAXELSIM_IMAGE_FEATURES(TAXELSIM_FINITE)
 }
 
 // Reports the number of taxels outside their bounds and the first of them: one message instead of thousands.
@@ -213,30 +229,16 @@ FrameView stepOnce(Simulator& simulator, double dt) {
 }
 
 std::vector<std::uint32_t> measuredBitsOf(const FrameView& frame, int instance, int num_instances) {
-  const auto counts = sliceOf(frame.tactile_image, instance, num_instances);
-  std::vector<std::uint32_t> bits(counts.begin(), counts.end());
-  appendBits(frame.saturated, instance, num_instances, bits);
-  appendFeatureBits(frame, instance, num_instances, bits);
-  appendBits(frame.contact, instance, num_instances, bits);
-  appendBits(frame.jacobian, instance, num_instances, bits);
-  return bits;
+  Bits bits(instance, num_instances);
+  bits.addMeasured(frame);
+  return bits.take();
 }
 
 std::vector<std::uint32_t> bitsOf(const FrameView& frame, int instance, int num_instances) {
-  std::vector<std::uint32_t> bits = measuredBitsOf(frame, instance, num_instances);
-  const GroundTruthView& truth = frame.ground_truth;
-  appendFeatureBits(truth, instance, num_instances, bits);
-  appendBits(truth.contact, instance, num_instances, bits);
-  appendBits(truth.jacobian, instance, num_instances, bits);
-  for (const std::span<const float> array :
-       {truth.tactile_normal_force, truth.tactile_shear_force, truth.penetration_depth, truth.contact_wrench, truth.over_penetration,
-        truth.load_offset, truth.off_array_load, truth.contact_residual, truth.jacobian.contact_wrench}) {
-    appendBits(array, instance, num_instances, bits);
-  }
-  appendBits(truth.load_reached, instance, num_instances, bits);
-  appendBits(truth.off_array_contacts, instance, num_instances, bits);
-  appendBits(truth.contact_iterations, instance, num_instances, bits);
-  return bits;
+  Bits bits(instance, num_instances);
+  bits.addMeasured(frame);
+  bits.addTruth(frame.ground_truth);
+  return bits.take();
 }
 
 std::vector<std::vector<std::uint32_t>> bitsOfAll(const FrameView& frame, int num_instances) {

@@ -36,7 +36,7 @@ class ElasticLayerBatch : public ::testing::TestWithParam<LayerKind> {};
 
 TEST_P(ElasticLayerBatch, IndependentOfBatchAndWorkgroup) {
   const Sensor sensor = sensorOf(GetParam());
-  support::expectIndependentOfBatch(sensor, support::layerPaths(sensor, GetParam().num_slots), {{8, 0}, {4, 0}, {64, 0}},
+  support::expectIndependentOfBatch(sensor, support::layerPaths(sensor, GetParam().num_slots), {{8, 0}, {4, 0}, {32, 0}, {64, 0}},
                                     GetParam().outputs);
 }
 

@@ -122,7 +122,7 @@ TEST_P(ShearOnEveryDriver, OfAnObjectAtRestStays) {
   const std::vector<std::uint32_t> bits = support::bitsOf(slid, 1, 2);
   const std::vector<float> shear{slid.ground_truth.contact_wrench[0], slid.ground_truth.contact_wrench[6]};
   EXPECT_GT(shear[1], 0.1f);
-  for (int n = 0; n < 50; ++n) {
+  for (int n = 0; n < 100; ++n) {
     const FrameView now = step(std::pow(10.0, n % 20 - 10));
     if (!skin.is_layer) {
       ASSERT_EQ(support::bitsOf(now, 1, 2), bits) << "step " << n;

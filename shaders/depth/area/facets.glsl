@@ -13,8 +13,8 @@
 
 // ---- exact integrals over the part of a polygon that lies in a cell ----
 //
-// The cell is the unit square. By Green's theorem the area, and the moments about the corner of the cell, are sums over the directed edges
-// of a counter-clockwise polygon in (u, v).
+// The cell is the unit square. By Green's theorem the area, and the moments about the corner of the cell, are sums over the edges of the
+// polygon in (u, v), which runs counter-clockwise.
 //
 //   v ^    1 +----------+      Between the ends of an edge, clamped to the cell along u, the cell holds the trapezoid under
 //     |      |    /|    |      the edge; where the edge is above the cell, a whole column. Edges that go back along u

@@ -13,9 +13,9 @@
 
 // ---- facets of solids ----
 //
-// Area sampling of half-spaces, by two quads; of cones, and of cylinders whose ends look up and down, by the facets of a prism or pyramid
-// of kSides sides with the same area of every section, so that the outlines of flat ends are exact integrals. It deviates by at most 2.1e-4
-// of the radius.
+// Area sampling replaces a half-space by two quads, and a cone, or a cylinder whose ends look up and down, by a pyramid or prism with
+// kSides sides. Its sections have the areas of the solid's, so that the outlines of flat ends are exact integrals; it deviates by at
+// most 2.1e-4 radii.
 
 const uint kSides = 128u;
 const float kSideAngle = 6.2831853072 / float(kSides);
