@@ -359,6 +359,13 @@ std::vector<EpisodeColumn> episodeColumns(const Scene& scene) {
 
 }  // namespace
 
+std::vector<Column> ColumnPlan::columns() const {
+  std::vector<Column> all;
+  for (const FrameColumn& entry : frame) all.push_back(entry.column);
+  for (const EpisodeColumn& entry : episode) all.push_back(entry.column);
+  return all;
+}
+
 ColumnPlan planColumns(const Scene& scene) {
   return {frameColumns(scene, groupsOf(scene)), episodeColumns(scene)};
 }
@@ -378,11 +385,7 @@ std::size_t rowBytes(const Column& column) {
 
 std::vector<Column> columnsOf(const Scene& scene) {
   if (scene.kind == Scene::Kind::kGrasp) return graspColumns(scene);
-  ColumnPlan plan = planColumns(scene);
-  std::vector<Column> columns;
-  for (FrameColumn& entry : plan.frame) columns.push_back(std::move(entry.column));
-  for (EpisodeColumn& entry : plan.episode) columns.push_back(std::move(entry.column));
-  return columns;
+  return planColumns(scene).columns();
 }
 
 }  // namespace taxelsim

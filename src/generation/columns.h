@@ -52,9 +52,11 @@ struct EpisodeColumn {
 struct ColumnPlan {
   std::vector<FrameColumn> frame;      // first in file order
   std::vector<EpisodeColumn> episode;  // then these
+
+  std::vector<Column> columns() const;  // all, in file order
 };
 
-// Throws Error(kInput) if scene.record has a name that is not a group of columns.
+// Of a scene of another kind than grasp. Throws Error(kInput) if scene.record has a name that is not a group of columns.
 ColumnPlan planColumns(const Scene& scene);
 
 // Bytes of one row.

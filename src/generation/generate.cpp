@@ -5,6 +5,7 @@
 #include <climits>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/memory.h"
@@ -13,6 +14,7 @@
 #include "episodes/contact_misses.h"
 #include "generation/generate_grasp.h"
 #include "generation/generate_loops.h"
+#include "generation/grasp_columns.h"
 #include "generation/loop_outputs.h"
 #include "generation/probe.h"
 #include "generation/shard_run.h"
@@ -63,9 +65,9 @@ int writerThreads(const GenerateOptions& options) {
 }
 
 // Bytes of the unfinished shards. In double: the product may exceed 2^64.
-double openShardBytes(const Scene& scene, const GenerateOptions& options) {
+double openShardBytes(const Scene& scene, const std::vector<Column>& columns, const GenerateOptions& options) {
   double episode_bytes = 0;
-  for (const Column& column : columnsOf(scene)) {
+  for (const Column& column : columns) {
     episode_bytes += static_cast<double>(rowBytes(column)) * (column.per_episode ? 1 : numFrames(scene));
   }
   const double episodes = static_cast<double>(std::min(scene.episodes_per_shard, numEpisodes(scene, options)));
@@ -73,8 +75,8 @@ double openShardBytes(const Scene& scene, const GenerateOptions& options) {
 }
 
 // Checked in advance, because Linux overcommits memory and kills the process later, as it does with a control group beyond its limit.
-void checkHostMemory(const Scene& scene, const GenerateOptions& options) {
-  const double needed = openShardBytes(scene, options);
+void checkHostMemory(const Scene& scene, const std::vector<Column>& columns, const GenerateOptions& options) {
+  const double needed = openShardBytes(scene, columns, options);
   const double available = static_cast<double>(usableMemory()) / options.num_processes;
   if (needed <= available) return;
   const auto mebibytes = [](double bytes) { return std::to_string(static_cast<long long>(std::min(bytes / 0x1p20, 9e18))) + " MiB"; };
@@ -91,7 +93,7 @@ std::string sensorNames(const Grasp& grasp) {
   return names;
 }
 
-Manifest manifestOf(const Scene& scene, const Device& device, const GenerateOptions& options) {
+Manifest manifestOf(const Scene& scene, std::vector<Column> columns, const Device& device, const GenerateOptions& options) {
   const bool is_grasp = scene.kind == Scene::Kind::kGrasp;
   const bool one_grid = !is_grasp && scene.sensor.patches.size() == 1;
   return {.format_version = kDatasetFormat,
@@ -109,15 +111,14 @@ Manifest manifestOf(const Scene& scene, const Device& device, const GenerateOpti
           .program_version = kVersion,
           .device = deviceText(device.info()),
           .policy = options.policy ? options.policy->id : "",
-          .columns = columnsOf(scene)};
+          .columns = std::move(columns)};
 }
 
 // Makes the shards that this process can claim now.
 void simulate(ShardRun& run, DatasetWriter& writer, const Manifest& manifest, const Model& model, const SlicePlan& plan,
-              const GenerateOptions& options) {
+              const Recorder& recorder, const GenerateOptions& options) {
   ShardQueue queue(manifest, run.complete(), plan.num_frames, [&writer](std::uint64_t shard) { return writer.claim(shard); });
   const int batch_size = static_cast<int>(std::min<std::uint64_t>(options.batch_size, queue.numEpisodesLeft()));
-  const Recorder recorder(planColumns(plan.scene), plan.edges);
   // All episodes of a batch end at the same time, and with them up to maxOpenShards() shards: the queue takes them without blocking.
   ShardWriter shard_writer(writer, maxOpenShards(plan.scene, options), writerThreads(options));
   GenerateResult& result = run.result();
@@ -157,22 +158,25 @@ GenerateResult generate(const Device& device, const Scene& scene, const std::fil
 GenerateResult generate(const Device& device, const Scene& scene, const std::filesystem::path& directory, const GenerateOptions& options,
                         SlicePlan::Loops loops) {
   checkRun(scene, options);
-  checkHostMemory(scene, options);
-  if (scene.kind == Scene::Kind::kGrasp) return generateGrasp(device, scene, directory, manifestOf(scene, device, options), options);
+  const bool is_grasp = scene.kind == Scene::Kind::kGrasp;
+  const ColumnPlan columns = is_grasp ? ColumnPlan{} : planColumns(scene);
+  Manifest manifest = manifestOf(scene, is_grasp ? graspColumns(scene) : columns.columns(), device, options);
+  checkHostMemory(scene, manifest.columns, options);
+  if (is_grasp) return generateGrasp(device, scene, directory, std::move(manifest), options);
   SlicePlan plan = options.policy ? SlicePlan(scene, outputsOf(scene), *options.policy) : SlicePlan(scene, outputsOf(scene));
   plan.device_clock = options.device_clock;
-  plan.sink_reads = loopOutputsOf(scene);
+  plan.sink_reads = loopOutputsOf(scene, columns);
   plan.loops = loops;
-  Manifest manifest = manifestOf(scene, device, options);
+  const Recorder recorder(columns, plan.edges);
   // Model and batch are checked before the directory is created.
   const Model model(device, modelOptionsOf(scene));
   const std::uint64_t team_size = static_cast<std::uint64_t>(options.batch_size) * static_cast<std::uint64_t>(options.num_processes);
   splitBatch(model, plan, static_cast<int>(std::min<std::uint64_t>({team_size, manifest.num_episodes, INT_MAX})), options.num_slices);
-  manifest.probe_sha256 = probeHash(model, scene);
+  manifest.probe_sha256 = probeHash(model, scene, columns);
   DatasetWriter writer(directory, manifest, writerOptions(options));
   if (!writer.isVerified()) return unverifiedResult(manifest);
   ShardRun run(options, writer, manifest, plan.num_frames);
-  run.simulateAll([&] { simulate(run, writer, manifest, model, plan, options); });
+  run.simulateAll([&] { simulate(run, writer, manifest, model, plan, recorder, options); });
   GenerateResult result = run.end();
   if (options.num_processes == 1) warnOfContactMisses(scene, result.contact_misses);
   return result;

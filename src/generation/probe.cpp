@@ -13,18 +13,18 @@ namespace taxelsim {
 namespace {
 
 // The episodes as one shard. The rows of frames that an episode does not have are 0.
-Manifest probeManifest(const Scene& scene) {
+Manifest probeManifest(const ColumnPlan& columns) {
   Manifest manifest;
   manifest.num_episodes = manifest.episodes_per_shard = kNumProbeEpisodes;
-  manifest.columns = columnsOf(scene);
+  manifest.columns = columns.columns();
   return manifest;
 }
 
 class ProbeSink : public EpisodeSink {
  public:
-  ProbeSink(const Scene& scene, const Recorder& recorder)
+  ProbeSink(const ColumnPlan& columns, const Recorder& recorder)
       : recorder_(recorder),
-        queue_(probeManifest(scene), {false}, kNumProbeFrames),
+        queue_(probeManifest(columns), {false}, kNumProbeFrames),
         episodes_(kNumProbeEpisodes),
         frames_(kNumProbeEpisodes),
         frames_left_(kNumProbeEpisodes, kNumProbeFrames) {}
@@ -76,11 +76,11 @@ class ProbeSink : public EpisodeSink {
 
 }  // namespace
 
-std::string probeHash(const Model& model, const Scene& scene) {
+std::string probeHash(const Model& model, const Scene& scene, const ColumnPlan& columns) {
   SlicePlan plan(scene, outputsOf(scene));
-  plan.sink_reads = loopOutputsOf(scene);
-  const Recorder recorder(planColumns(scene), plan.edges);
-  ProbeSink sink(scene, recorder);
+  plan.sink_reads = loopOutputsOf(scene, columns);
+  const Recorder recorder(columns, plan.edges);
+  ProbeSink sink(columns, recorder);
   runProbe(model, plan, sink);
   return sink.hash();
 }
