@@ -59,7 +59,7 @@ struct MountedSensor {
 /// add up.
 struct JointDrive {
   double position_step = 0;  ///< rad or m, >= 0: the joint moves to the multiple of it nearest to the command; 0 (default): to the command.
-  int delay = 0;             ///< Control periods from a command to the joint, 0 to kMaxDelayTicks. Default 0.
+  int delay = 0;             ///< Simulation steps from a command to the joint, 0 to kMaxDelayTicks. Default 0.
 };
 
 /// A robot with joints. Twists become joint velocities by damped least squares.

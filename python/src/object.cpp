@@ -13,6 +13,7 @@
 #include <optional>
 
 #include "any_object.h"
+#include "geometry/object_fields.h"
 #include "interruptible.h"
 #include "structs.h"
 #include "taxelsim/error.h"
@@ -106,21 +107,19 @@ Raises InputError for a file that is missing, too large, or not a mesh.)");
 
 void bindSolids(nb::module_& module) {
   nb::class_<Sphere> sphere(module, "Sphere", "Sphere, centred on the origin.");
-  addFields(sphere, field("radius", &Sphere::radius, "m, > 0."));
+  addTables(sphere, fieldsOf<kSphereFields>());
   nb::class_<Cylinder> cylinder(module, "Cylinder", "Cylinder along z with flat ends, centred on the origin.");
-  addFields(cylinder, field("radius", &Cylinder::radius, "m, > 0."), field("length", &Cylinder::length, "m, > 0."));
+  addTables(cylinder, fieldsOf<kCylinderFields>());
   nb::class_<Capsule> capsule(module, "Capsule", "Capsule along z, centred on the origin.");
-  addFields(capsule, field("radius", &Capsule::radius, "m, > 0."),
-            field("length", &Capsule::length, "m, >= 0, length of the straight part."));
+  addTables(capsule, fieldsOf<kCapsuleFields>());
   nb::class_<Box> box(module, "Box", "Box, centred on the origin.");
-  addFields(box, field("size", &Box::size, "(3), m, > 0, full side lengths along x, y, z."));
+  addTables(box, fieldsOf<kBoxFields>());
   nb::class_<HalfSpace> half_space(module, "HalfSpace", "All points with z >= 0 in O.");
   addFields(half_space);
   nb::class_<Cone> cone(module, "Cone", "Cone with its apex at the origin and its axis along +z.");
-  addFields(cone, field("radius", &Cone::radius, "m, > 0, radius of the base at z = height."), field("height", &Cone::height, "m, > 0."));
+  addTables(cone, fieldsOf<kConeFields>());
   nb::class_<Torus> torus(module, "Torus", "Torus with axis z, centred on the origin.");
-  addFields(torus, field("major_radius", &Torus::major_radius, "m, > minor_radius, from the centre to the middle of the tube."),
-            field("minor_radius", &Torus::minor_radius, "m, > 0, radius of the tube."));
+  addTables(torus, fieldsOf<kTorusFields>());
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 
 #include "bind.h"
 #include "interruptible.h"
+#include "scene/scene_fields.h"
 
 namespace taxelsim::python {
 namespace {
@@ -27,34 +28,13 @@ Scene loadSceneWith(const std::filesystem::path& file, std::optional<std::uint64
 // Ranges of the random variables of an episode. One of load and depth is missing; so is exploration_velocity if it is the controller's.
 std::map<std::string, std::pair<double, double>> rangesOf(const Scene& scene) {
   std::map<std::string, std::pair<double, double>> ranges;
-  const auto add = [&](const char* name, const std::optional<Range>& range) {
-    if (range) ranges[name] = {range->min, range->max};
+  const auto add = [&](const auto& table) {
+    for (const RangeField& field : table) {
+      if (const std::optional<Range> range = field.in(scene.randomization)) ranges[std::string(field.name())] = {range->min, range->max};
+    }
   };
-  const Randomization& random = scene.randomization;
-  add("x", random.x);
-  add("y", random.y);
-  add("yaw", random.yaw);
-  add("tilt", random.tilt);
-  add("load", random.load);
-  add("depth", random.depth);
-  add("gain", random.gain);
-  add("gain_spread", random.gain_spread);
-  add("noise", random.noise);
-  add("stiffness", random.stiffness);
-  add("friction", random.friction);
-  add("trigger", random.trigger);
-  add("hysteresis", random.hysteresis);
-  add("delay", random.delay);
-  add("psf_width", random.psf_width);
-  add("trigger_spread", random.trigger_spread);
-  add("mounting_x", random.mounting_x);
-  add("mounting_y", random.mounting_y);
-  add("mounting_yaw", random.mounting_yaw);
-  add("mounting_pitch", random.mounting_pitch);
-  add("mounting_roll", random.mounting_roll);
-  add("exploration_velocity", random.exploration_velocity);
-  add("linear_action_noise", random.linear_action_noise);
-  add("angular_action_noise", random.angular_action_noise);
+  add(kRandomizationFields);
+  add(kServoRandomizationFields);
   return ranges;
 }
 

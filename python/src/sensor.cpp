@@ -75,8 +75,7 @@ pressure = max(0, normal_contact_stiffness d^normal_exponent + normal_damping d'
 
 void bindSkin(nb::module_& module) {
   nb::class_<Friction> friction(module, "Friction", "Stick-slip friction with memory. The default is none.");
-  addFields(friction, field("tangential_stiffness", &Friction::tangential_stiffness, "N/m^3, > 0 with friction."),
-            field("friction_coefficient", &Friction::friction_coefficient, "0 to 1000; 0: no shear."));
+  addFields(friction, tableField<kFrictionFields, 1>(), tableField<kFrictionFields, 0>());
   nb::class_<RelaxationTerm> relaxation(
       module, "RelaxationTerm", "One term of the skin's viscoelastic relaxation: k(t) = k(0) [1 - sum fraction (1 - e^(-t / time))].");
   addTables(relaxation, fieldsOf<kRelaxationFields>());
@@ -120,11 +119,10 @@ void bindReadout(nb::module_& module) {
   nb::class_<ThreeAxisReadout> axes(module, "ThreeAxisReadout", R"(Electronics of three-axis taxels: force to signed counts.
 
 counts[a] = clip(round(g sum_b gain[a][b] h_b(F[b]) + noise[a] n), -saturation, saturation), axes x, y, normal.)");
-  addFields(axes, field("gain", &ThreeAxisReadout::gain, "(3, 3), counts/N: output axis x axis of force; cross-talk off the diagonal."),
-            field("noise", &ThreeAxisReadout::noise, "(3), counts, >= 0, standard deviation."),
-            field("hysteresis_strength", &ThreeAxisReadout::hysteresis_strength, "(3), 0 to < 1, of each axis of force."),
-            field("hysteresis_width", &ThreeAxisReadout::hysteresis_width, "(3), N, >= 0, of each axis of force."),
-            field("saturation", &ThreeAxisReadout::saturation, "Counts, 1 to 2^24 - 1, the largest absolute value."));
+  addTables(
+      axes,
+      std::tuple(field("gain", &ThreeAxisReadout::gain, "(3, 3), counts/N: output axis x axis of force; cross-talk off the diagonal.")),
+      fieldsOf<kThreeAxisFields>());
   nb::class_<Readout> readout(module, "Readout", R"(Electronics: force after the spread to counts, per taxel.
 
 x = gain F - trigger; y = sum of curve[m] x^(m+1); counts = clip(round(output_scale y / (1 + y / curve_limit) + noise), 0, saturation).)");

@@ -6,6 +6,7 @@
 
 #include <nanobind/nanobind.h>
 
+#include <array>
 #include <new>
 #include <optional>
 #include <string>
@@ -37,14 +38,24 @@ Field<Struct, Member> field(const char* name, Member Struct::*member, const char
   return {name, member, doc};
 }
 
+// "(3), " of a member that is an array.
+template <typename Struct, typename Member>
+std::string shapeOf(Member Struct::*) {
+  return "";
+}
+template <typename Struct, typename Element, std::size_t kSize>
+std::string shapeOf(std::array<Element, kSize> Struct::*) {
+  return "(" + std::to_string(kSize) + "), ";
+}
+
 // A field of a table of the library, with its meaning and what is allowed.
 template <const auto& kTable, std::size_t kIndex>
 auto tableField() {
   constexpr auto kMember = std::get<kTable[kIndex].member.index()>(kTable[kIndex].member);
   constexpr bool kIsWhole = kTable[kIndex].member.index() == 1;  // int
   static const std::string name(kTable[kIndex].name());
-  static const std::string doc =
-      std::string(kTable[kIndex].text) + ": " + (kIsWhole ? describeWhole(kTable[kIndex].allowed) : describe(kTable[kIndex].allowed)) + ".";
+  static const std::string doc = std::string(kTable[kIndex].text) + ": " + shapeOf(kMember) +
+                                 (kIsWhole ? describeWhole(kTable[kIndex].allowed) : describe(kTable[kIndex].allowed)) + ".";
   return field(name.c_str(), kMember, doc.c_str());
 }
 

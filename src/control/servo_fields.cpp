@@ -20,17 +20,24 @@ constexpr LoopUnits kForce{"reference", "error_limit", "integral_limit", "deriva
 constexpr LoopUnits kAngle{
     "reference[_deg]", "error_limit[_deg]", "integral_limit[_deg]", "derivative_limit[_deg]", "rad", "rad s", "rad/s"};
 
-constexpr Field<FeatureLoop> kRollingRadius{"rolling_radius[_mm]", &FeatureLoop::rolling_radius, Allowed::atLeast(0, "m")};
+constexpr Field<FeatureLoop> kRollingRadius{
+    "rolling_radius[_mm]", &FeatureLoop::rolling_radius, Allowed::atLeast(0, "m"), kOptional,
+    "Length by which the centre moves on the sensor per radian, of an object that rolls; 0 slides the sensor"};
 
 constexpr auto loopTable(const LoopUnits& units, const Allowed& reference) {
   return std::array{
-      Field<FeatureLoop>{units.reference, &FeatureLoop::reference, reference},
-      Field<FeatureLoop>{"kp", &FeatureLoop::kp, Allowed::atLeast(0, "1/s"), kRequired},
-      Field<FeatureLoop>{"ki", &FeatureLoop::ki, Allowed::atLeast(0, "1/s^2")},
-      Field<FeatureLoop>{"kd", &FeatureLoop::kd, {.min = 0, .max = 1, .below_max = true}},
-      Field<FeatureLoop>{units.error_limit, &FeatureLoop::error_limit, Allowed::above(0, units.value), kUnlimited},
-      Field<FeatureLoop>{units.integral_limit, &FeatureLoop::integral_limit, Allowed::above(0, units.integral), kUnlimited},
-      Field<FeatureLoop>{units.derivative_limit, &FeatureLoop::derivative_limit, Allowed::above(0, units.rate), kUnlimited},
+      Field<FeatureLoop>{units.reference, &FeatureLoop::reference, reference, kOptional,
+                         "Reference; by default the middle of the array, the force at the start, the angle 0"},
+      Field<FeatureLoop>{"kp", &FeatureLoop::kp, Allowed::atLeast(0, "1/s"), kRequired, "Rate towards the reference per error"},
+      Field<FeatureLoop>{"ki", &FeatureLoop::ki, Allowed::atLeast(0, "1/s^2"), kOptional,
+                         "Rate per integral of the error, which is frozen while a velocity limit is active"},
+      Field<FeatureLoop>{"kd", &FeatureLoop::kd, {.min = 0, .max = 1, .below_max = true}, kOptional, "Rate per rate of the error"},
+      Field<FeatureLoop>{units.error_limit, &FeatureLoop::error_limit, Allowed::above(0, units.value), kUnlimited,
+                         "Largest error that kp and ki see"},
+      Field<FeatureLoop>{units.integral_limit, &FeatureLoop::integral_limit, Allowed::above(0, units.integral), kUnlimited,
+                         "Largest integral of the error"},
+      Field<FeatureLoop>{units.derivative_limit, &FeatureLoop::derivative_limit, Allowed::above(0, units.rate), kUnlimited,
+                         "Largest rate of the error"},
       kRollingRadius,
   };
 }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "base/text.h"
+#include "scene/keys/scene.h"
 #include "scene/yaml_reader.h"
 #include "taxelsim/error.h"
 #include "taxelsim/scene.h"
@@ -77,7 +78,7 @@ std::vector<std::string> conditionNames(const YamlTree& scene, const std::string
     const YamlNode condition = *block->child(key.text);
     if (key.text == kNominalCondition) condition.fail("this name means the scene without overrides");
     Canonical unused;
-    const YamlMap map(condition, {kSensor, kRandomization}, unused);
+    const YamlMap map(condition, conditionKeys(), unused);
     const std::optional<YamlNode> randomization = map.find(kRandomization);
     if (randomization && !randomization->isMap()) randomization->refuse("a mapping of keys of the scene's randomization");
     names.push_back(key.text);

@@ -23,8 +23,6 @@ namespace {
 
 constexpr std::uintmax_t kMaxRecordingBytes = std::uintmax_t{1} << 30;
 constexpr std::size_t kMaxRecordedPoints = 10'000'000;
-constexpr const char* kFile = "a CSV file of contact points";
-constexpr const char* kPosesFile = "a CSV file of poses of the sensor";
 
 enum Column : std::size_t { kEpisode, kStep, kX, kNormalForce = 5, kForceX = 5 };
 
@@ -149,7 +147,7 @@ void sortInto(const Rows& rows, ContactRecording& recording) {
 
 // The frame of positions and forces.
 void readFrame(const YamlMap& map, const std::filesystem::path& directory, Format& format) {
-  if (map.choice("frame", {"sensor", "world"}, "sensor") == "sensor") {
+  if (map.wordOf("frame") == 0) {  // sensor
     for (const std::string_view key : {"sensor_pose", "sensor_poses"}) {
       if (const std::optional<YamlNode> node = map.find(key)) node->fail("needs frame: world");
     }
@@ -161,11 +159,11 @@ void readFrame(const YamlMap& map, const std::filesystem::path& directory, Forma
     format.X_SF = inverse(readPose(map, "sensor_pose"));
     return;
   }
-  const YamlMap block(map, "sensor_poses", {"file", "sha256"});
-  const std::filesystem::path file = readHashedFile(block, "file", kPosesFile, directory, kMaxRecordingBytes);
+  const YamlMap block(map, "sensor_poses");
+  const std::filesystem::path file = readHashedFile(block, "file", directory, kMaxRecordingBytes);
   const auto last_step = static_cast<std::uint64_t>(format.num_steps - 1);
-  format.X_WS = atNode(block.require("file", kPosesFile),
-                       [&] { return SensorPoses(file, format.num_episodes.value_or(kMaxRecordedEpisodes) - 1, last_step); });
+  format.X_WS =
+      atNode(block.require("file"), [&] { return SensorPoses(file, format.num_episodes.value_or(kMaxRecordedEpisodes) - 1, last_step); });
 }
 
 }  // namespace
@@ -187,19 +185,18 @@ int ContactRecording::maxPoints() const {
 }
 
 ContactRecording readContactRecording(const YamlMap& map, const std::filesystem::path& directory, const Scene& scene) {
-  map.require("contact_points", "a block with the file of contact points");
-  const YamlMap block(map, "contact_points",
-                      {"file", "sha256", "num_episodes", "frame", "sensor_pose", "sensor_poses", "contact_band[_mm]"});
+  map.require("contact_points");
+  const YamlMap block(map, "contact_points");
   ContactRecording recording;
-  Format format{.file = readHashedFile(block, "file", kFile, directory, kMaxRecordingBytes, &recording.sha256),
+  Format format{.file = readHashedFile(block, "file", directory, kMaxRecordingBytes, &recording.sha256),
                 .num_episodes = {},
                 .num_steps = scene.num_steps,
                 .takes_vectors = isLevel(scene.sensor)};
   if (const std::optional<YamlNode> number = block.find("num_episodes")) format.num_episodes = number->integer(1, kMaxRecordedEpisodes);
   recording.file_name = format.file.filename().string();
   readFrame(block, directory, format);
-  recording.contact_band = block.number("contact_band", kContactBand, recording.contact_band);
-  sortInto(atNode(block.require("file", kFile), [&] { return readRows(format); }), recording);
+  readFields(block, kContactBandFields, recording);
+  sortInto(atNode(block.require("file"), [&] { return readRows(format); }), recording);
   recording.num_episodes = format.num_episodes.value_or(recording.frames.back().episode + 1);
   block.canonical().line("num_episodes", std::to_string(recording.num_episodes));
   return recording;

@@ -5,6 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "scene/keys/sensor.h"
+#include "sensor/fields.h"
+
 namespace taxelsim {
 namespace {
 
@@ -32,7 +35,7 @@ std::vector<CurvePoint> readCurvePoints(const YamlNode& node, Canonical& canonic
 
 void readCurve(const YamlMap& from, Readout& readout) {
   from.require("curve", "{counts_per_newton: ...}, {coefficients: [...]} or {points: [...]}");
-  const YamlMap map(from, "curve", {"counts_per_newton", "coefficients", "limit", "points"});
+  const YamlMap map(from, "curve");
   if (const std::optional<YamlNode> points = map.find("points")) {
     for (const char* const key : {"counts_per_newton", "coefficients", "limit"}) map.rejectBoth(key, "points");
     readout.curve_points = readCurvePoints(*points, map.canonical());
@@ -42,7 +45,7 @@ void readCurve(const YamlMap& from, Readout& readout) {
   curve.clear();
   if (const std::optional<YamlNode> slope = map.find("counts_per_newton")) {
     map.rejectBoth("coefficients", "counts_per_newton");
-    curve = {slope->number(Allowed::above(0, "counts/N"))};
+    curve = {slope->number(std::get<Number>(curveKeys().find("counts_per_newton")->type).allowed)};
   } else {
     const YamlNode coefficients = map.require("coefficients", "a list of 1 to 5 numbers, counts/N^m; or counts_per_newton");
     const std::vector<YamlNode> items = coefficients.items("a list of 1 to 5 numbers");
@@ -50,7 +53,7 @@ void readCurve(const YamlMap& from, Readout& readout) {
     for (const YamlNode& item : items) curve.push_back(item.number(Allowed::any("counts/N^m")));
   }
   map.canonical().line("coefficients", canonicalList(curve));
-  readout.curve_limit = map.number("limit", Allowed::atLeast(0, "counts"), readout.curve_limit);
+  readFields(map, kCurveLimitFields, readout);
 }
 
 }  // namespace taxelsim

@@ -1,6 +1,7 @@
 #include "scene/experiment_reader.h"
 
 #include <algorithm>
+#include <array>
 
 #include "scene/object_reader.h"
 #include "scene/scene_checks.h"
@@ -93,7 +94,7 @@ Experiment loadExperiment(const std::filesystem::path& file) {
   return readVersionedFile(file, [](const YamlNode& root, const std::filesystem::path& directory) -> Experiment {
     const std::optional<YamlNode> kind = root.child("experiment");
     if (!kind) root.fail("experiment is missing: static | servo | calibration | characterization | grasp");
-    const std::string word = kind->choice({"static", "servo", "calibration", "characterization", "grasp"});
+    const std::string word = kind->choice(std::array<std::string_view, 5>{"static", "servo", "calibration", "characterization", "grasp"});
     if (word == "static") return readStaticExperiment(root, directory);
     if (word == "servo") return readServoExperiment(root, directory);
     if (word == "grasp") return readGraspExperiment(root, directory);

@@ -1,11 +1,10 @@
 #include "scene/grasp_reader.h"
 
 #include <algorithm>
-#include <array>
-#include <numbers>
 #include <set>
 #include <string>
 
+#include "scene/keys/grasp.h"
 #include "scene/scene_checks.h"
 #include "scene/scene_fields.h"
 #include "scene/servo_reader.h"
@@ -13,22 +12,13 @@
 namespace taxelsim {
 namespace {
 
-constexpr std::array kRandomFields{
-    Field<Grasp>{"offset[_mm]", &Grasp::offset, Allowed::within(0, 1, "m")},
-    Field<Grasp>{"yaw[_deg]", &Grasp::yaw, Allowed::within(0, std::numbers::pi, "rad")},
-    Field<Grasp>{"force_spread", &Grasp::force_spread, Allowed::within(0, 1, "")},
-};
 constexpr double kDefaultGraspHold = 0.5;  // s, for episodes that last at least as long
-constexpr const char* kFingers = "a list of at least one {sensor, force, joints}";
-constexpr const char* kServoJoints = "a list of at least one name of a joint that moves the sensor";
-constexpr const char* kFingerJoints = "a list of at least one {joint, velocity}";
-constexpr double kMaxVelocity = 1e6;  // rad/s or m/s, of a joint without a limit
-constexpr Allowed kTargetForce = Allowed::aboveUpTo(0, 1e6, "N");
+constexpr double kMaxVelocity = 1e6;       // rad/s or m/s, of a joint without a limit
 
 // Index of the item that the node names; fails with all names if there is none. kind: of the items.
 template <typename Named>
-int indexOf(const YamlNode& node, const std::string& kind, const std::string& what, const std::vector<Named>& list) {
-  const std::string name = node.text(what);
+int indexOf(const YamlNode& node, const std::string& kind, const std::vector<Named>& list) {
+  const std::string name = node.text("the name of a " + kind);
   std::string names;
   for (std::size_t i = 0; i < list.size(); ++i) {
     if (list[i].name == name) return static_cast<int>(i);
@@ -39,9 +29,9 @@ int indexOf(const YamlNode& node, const std::string& kind, const std::string& wh
 
 // The same for a key, which is also the kind.
 template <typename Named>
-int indexOf(const YamlMap& map, const std::string& key, const std::string& what, const std::vector<Named>& list) {
-  map.text(key, what);
-  return indexOf(map.require(key, what), key, what, list);
+int indexOf(const YamlMap& map, const std::string& key, const std::vector<Named>& list) {
+  map.text(key);
+  return indexOf(map.require(key), key, list);
 }
 
 void refuseProximity(const YamlNode& node, const RobotSensor& sensor) {
@@ -49,14 +39,15 @@ void refuseProximity(const YamlNode& node, const RobotSensor& sensor) {
 }
 
 FingerJoint readJoint(const YamlNode& item, const Manipulator& robot, std::set<int>& taken, Canonical& canonical) {
+  static constexpr const char* kJoint = "the name of a joint that moves a sensor";
   // The type of the joint decides the unit of its velocity.
   Canonical unused;
-  const int index = indexOf(YamlMap(item, {"joint", "velocity", "velocity_deg", "velocity_mm"}, unused), "joint",
-                            "the name of a joint that moves a sensor", robot.joints);
+  const int index =
+      indexOf(YamlMap(item, {"joint", "velocity", "velocity_deg", "velocity_mm"}, unused).require("joint", kJoint), "joint", robot.joints);
   const Joint& joint = robot.joints[static_cast<std::size_t>(index)];
   const bool is_revolute = joint.type == JointType::kRevolute;
   const YamlMap map(YamlMap::item(item, {"joint", is_revolute ? "velocity[_deg]" : "velocity[_mm]"}, canonical));
-  map.text("joint", "");
+  map.text("joint", kJoint);
   if (!taken.insert(index).second) map.require("joint", "").fail("joint " + joint.name + " is given twice, and moves one finger only");
   const double limit = std::min(joint.max_velocity, kMaxVelocity);
   const double velocity = map.number("velocity", Allowed::within(-limit, limit, is_revolute ? "rad/s" : "m/s"));
@@ -87,31 +78,29 @@ void checkClosing(const YamlNode& node, const Manipulator& robot, const Grasp& g
 }
 
 GraspFinger readFinger(const YamlNode& item, const Manipulator& robot, const Grasp& grasp, std::set<int>& taken, Canonical& canonical) {
-  const YamlMap map(YamlMap::item(item, {"sensor", "force", "joints"}, canonical));
+  const YamlMap map(YamlMap::item(item, fingerKeys(), canonical));
   GraspFinger finger;
-  finger.sensor = indexOf(map, "sensor", "the name of a sensor of the robot", grasp.sensors);
+  finger.sensor = indexOf(map, "sensor", grasp.sensors);
   const YamlNode sensor = map.require("sensor", "");
   for (const GraspFinger& other : grasp.fingers) {
     if (other.sensor == finger.sensor) sensor.fail("an earlier finger has this sensor");
   }
   refuseProximity(sensor, grasp.sensors[static_cast<std::size_t>(finger.sensor)]);
-  finger.force = map.number("force", kTargetForce);
-  const YamlNode joints = map.require("joints", kFingerJoints);
+  readFields(map, kFingerForceFields, finger);
+  const YamlNode joints = map.require("joints");
   canonical.open("joints");
-  for (const YamlNode& joint : joints.items(kFingerJoints)) finger.joints.push_back(readJoint(joint, robot, taken, canonical));
+  for (const YamlNode& joint : map.items("joints")) finger.joints.push_back(readJoint(joint, robot, taken, canonical));
   canonical.close();
-  if (finger.joints.empty()) joints.refuse(kFingerJoints);
   checkClosing(joints, robot, grasp, finger);
   return finger;
 }
 
 // taken: joints of the fingers.
 std::vector<int> readServoJoints(const YamlMap& map, const Manipulator& robot, const Grasp& grasp, int sensor, const std::set<int>& taken) {
-  const YamlNode list = map.require("joints", kServoJoints);
   std::vector<int> joints;
   std::string text;
-  for (const YamlNode& item : list.items(kServoJoints)) {
-    const int index = indexOf(item, "joint", "the name of a joint that moves the sensor", robot.joints);
+  for (const YamlNode& item : map.items("joints")) {
+    const int index = indexOf(item, "joint", robot.joints);
     const std::string& name = robot.joints[static_cast<std::size_t>(index)].name;
     if (taken.contains(index)) item.fail("joint " + name + " belongs to a finger: a joint follows the servo or closes one finger");
     if (std::find(joints.begin(), joints.end(), index) != joints.end()) item.fail("joint " + name + " is given twice");
@@ -121,15 +110,14 @@ std::vector<int> readServoJoints(const YamlMap& map, const Manipulator& robot, c
     joints.push_back(index);
     text += (text.empty() ? "" : ", ") + canonicalText(name);
   }
-  if (joints.empty()) list.refuse(kServoJoints);
   map.canonical().line("joints", "[" + text + "]");
   return joints;
 }
 
 GraspServo readGraspServo(const YamlMap& outer, const Manipulator& robot, const Grasp& grasp, const std::set<int>& taken) {
-  const YamlMap map(outer, "servo", {"sensor", "joints", "tactile_servo"});
+  const YamlMap map(outer, "servo");
   GraspServo servo;
-  servo.sensor = indexOf(map, "sensor", "the name of a sensor of the robot", grasp.sensors);
+  servo.sensor = indexOf(map, "sensor", grasp.sensors);
   const YamlNode sensor = map.require("sensor", "");
   for (const GraspFinger& finger : grasp.fingers) {
     if (finger.sensor == servo.sensor) sensor.fail("a finger has this sensor; the servo needs another one");
@@ -149,7 +137,7 @@ GraspServo readGraspServo(const YamlMap& outer, const Manipulator& robot, const 
 void readGraspTask(const YamlMap& scene, double duration, GraspTask& task) {
   task.hold = std::min(kDefaultGraspHold, duration);
   if (!scene.has("task")) return;
-  const YamlMap map(scene, "task", keysOf(kGraspTaskFields));
+  const YamlMap map(scene, "task");
   readFields(map, kGraspTaskFields, task);
   atNode(map.node(), [&] { checkGraspTask(task, duration); });
 }
@@ -159,18 +147,17 @@ void readGraspTask(const YamlMap& scene, double duration, GraspTask& task) {
 void readGrasp(const YamlMap& scene, const Manipulator& robot, double simulation_rate, int num_steps, Grasp& grasp) {
   scene.require("grasp", "the fingers and their target forces");
   {
-    const YamlMap map(scene, "grasp", {"gain", "fingers", "servo"});
-    const YamlNode fingers = map.require("fingers", kFingers);
+    const YamlMap map(scene, "grasp");
+    const std::vector<YamlNode> fingers = map.items("fingers");
     Canonical& canonical = map.canonical();
     grasp.gain = map.number("gain", Allowed::aboveUpTo(0, simulation_rate, "1/s"), std::min(grasp.gain, simulation_rate));
     canonical.open("fingers");
     std::set<int> taken;
-    for (const YamlNode& item : fingers.items(kFingers)) grasp.fingers.push_back(readFinger(item, robot, grasp, taken, canonical));
+    for (const YamlNode& item : fingers) grasp.fingers.push_back(readFinger(item, robot, grasp, taken, canonical));
     canonical.close();
-    if (grasp.fingers.empty()) fingers.refuse(kFingers);
     if (map.has("servo")) grasp.servo = readGraspServo(map, robot, grasp, taken);
   }
-  readFields(YamlMap(scene, "randomization", keysOf(kRandomFields)), kRandomFields, grasp);
+  readFields(YamlMap(scene, "randomization"), kGraspRandomFields, grasp);
   readGraspTask(scene, num_steps / simulation_rate, grasp.task);
 }
 

@@ -16,11 +16,12 @@ bool isGltfName(const std::filesystem::path& file) {
 
 }  // namespace
 
-std::filesystem::path readHashedFile(const YamlMap& map, std::string_view key, std::string_view what,
-                                     const std::filesystem::path& directory, std::uintmax_t max_bytes, std::string* sha256) {
-  const YamlNode node = map.require(key, std::string(what));
+std::filesystem::path readHashedFile(const YamlMap& map, std::string_view key, const std::filesystem::path& directory,
+                                     std::uintmax_t max_bytes, std::string* sha256, const std::string& what) {
+  const std::string text = what.empty() ? map.whatOf(key) : what;
+  const YamlNode node = map.require(key, text);
   Canonical& canonical = map.canonical();
-  std::filesystem::path file = directory / node.text(std::string(what));
+  std::filesystem::path file = directory / node.text(text);
   canonical.line(key, canonicalText(file.filename().string()));
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) node.fail(file.generic_string() + " is not there, or not a file");

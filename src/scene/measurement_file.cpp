@@ -270,7 +270,7 @@ Measurement readMeasurement(const YamlNode& root, const MeasurementPlace& place)
   Canonical sensor_text;
   measurement.sensor = readSensorBlock(map.require("sensor", kSensorBlock), place.sensors, sensor_text);
   measurement.resolved_sensor = sensor_text.text();
-  const NumberTable table(readHashedFile(map, "table", "a table of numbers (CSV)", place.tables, kMaxTableBytes));
+  const NumberTable table(readHashedFile(map, "table", place.tables, kMaxTableBytes, nullptr, "a table of numbers (CSV)"));
   const double full_scale = (1 << measurement.sensor.readout.adc_bits) - 1;
   measurement.data = kind.read({map, table, measurement.sensor, full_scale, place.tables});
   if (map.has("temperature_degC")) measurement.temperature = map.number("temperature_degC", kTemperature);

@@ -7,17 +7,16 @@
 namespace taxelsim {
 namespace {
 
-constexpr std::string_view kMotionKinds = "constant_twist | sinusoid | waypoints | hand_held";
 constexpr std::uintmax_t kMaxWaypointBytes = std::uintmax_t{64} << 20;
 
 Motion readConstantTwist(const YamlMap& parent) {
   ConstantTwist motion;
-  readFields(YamlMap(parent, "constant_twist", keysOf(kConstantTwistFields)), kConstantTwistFields, motion.twist);
+  readFields(YamlMap(parent, "constant_twist"), kConstantTwistFields, motion.twist);
   return motion;
 }
 
 Motion readSinusoid(const YamlMap& parent) {
-  const YamlMap map(parent, "sinusoid", keysOf(kSinusoidFields));
+  const YamlMap map(parent, "sinusoid");
   if (!map.has("amplitude") && !map.has("angle")) {
     map.node().fail("amplitude[_mm] or angle[_deg] is missing: the amplitude along the axis, or the angle about it");
   }
@@ -27,18 +26,17 @@ Motion readSinusoid(const YamlMap& parent) {
 }
 
 Motion readWaypoints(const YamlMap& parent, const std::filesystem::path& directory) {
-  const YamlMap map(parent, "waypoints", {"file", "interpolation", "sha256"});
-  const std::filesystem::path file = readHashedFile(map, "file", "a CSV file of waypoints", directory, kMaxWaypointBytes);
+  const YamlMap map(parent, "waypoints");
+  const std::filesystem::path file = readHashedFile(map, "file", directory, kMaxWaypointBytes);
   Waypoints motion;
-  const bool is_cubic = map.choice("interpolation", {"cubic", "linear"}, "cubic") == "cubic";
-  motion.interpolation = is_cubic ? Waypoints::Interpolation::kCubic : Waypoints::Interpolation::kLinear;
-  motion.points = atNode(map.require("file", ""), [&] { return loadWaypoints(file); });
+  motion.interpolation = map.choice<Waypoints::Interpolation>("interpolation");
+  motion.points = atNode(map.require("file"), [&] { return loadWaypoints(file); });
   return motion;
 }
 
 Motion readHandHeld(const YamlMap& parent) {
   HandHeld motion;
-  readFields(YamlMap(parent, "hand_held", keysOf(kHandHeldFields)), kHandHeldFields, motion);
+  readFields(YamlMap(parent, "hand_held"), kHandHeldFields, motion);
   return motion;
 }
 
@@ -47,14 +45,12 @@ Motion readHandHeld(const YamlMap& parent) {
 std::optional<Motion> readMotion(const YamlMap& object, const std::filesystem::path& directory) {
   const std::optional<YamlNode> node = object.find("motion");
   if (!node) return {};
-  const YamlMap map(object, "motion", {"constant_twist", "sinusoid", "waypoints", "hand_held"});
-  int num_kinds = 0;
-  for (const std::string_view kind : {"constant_twist", "sinusoid", "waypoints", "hand_held"}) num_kinds += map.has(kind) ? 1 : 0;
-  if (num_kinds != 1) node->fail("exactly one of " + std::string(kMotionKinds));
-  const Motion motion = map.has("constant_twist") ? readConstantTwist(map)
-                        : map.has("sinusoid")     ? readSinusoid(map)
-                        : map.has("waypoints")    ? readWaypoints(map, directory)
-                                                  : readHandHeld(map);
+  const YamlMap map(object, "motion");
+  const std::string_view kind = map.onlyOne();
+  const Motion motion = kind == "constant_twist" ? readConstantTwist(map)
+                        : kind == "sinusoid"     ? readSinusoid(map)
+                        : kind == "waypoints"    ? readWaypoints(map, directory)
+                                                 : readHandHeld(map);
   atNode(*node, [&] { checkMotion(motion); });
   return motion;
 }

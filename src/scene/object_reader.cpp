@@ -8,6 +8,7 @@
 #include "geometry/object_fields.h"
 #include "geometry/unit_check.h"
 #include "scene/hashed_file.h"
+#include "scene/keys/object.h"
 #include "scene/motion_reader.h"
 #include "scene/pose_reader.h"
 #include "scene/scene_fields.h"
@@ -15,27 +16,13 @@
 namespace taxelsim {
 namespace {
 
-constexpr std::string_view kShapes = "mesh | sphere | cylinder | capsule | box | half_space | cone | torus";
-
-// Keys of an item; the shapes come first.
-const YamlMap::Keys& objectKeys(ObjectUse use) {
-  static const YamlMap::Keys drawn = {"mesh",  "sphere",  "cylinder",    "capsule", "box",         "half_space",
-                                      "cone",  "torus",   "name",        "weight",  "orientation", "motion",
-                                      "edge",  "contour", "anchor[_mm]", "scale",   "up_axis",     "max_depth_error[_mm]",
-                                      "sha256"};
-  static const YamlMap::Keys placed = {"mesh", "sphere", "cylinder", "capsule", "box",     "half_space",           "cone",  "torus",
-                                       "name", "pose",   "motion",   "scale",   "up_axis", "max_depth_error[_mm]", "sha256"};
-  return use == ObjectUse::kDrawn ? drawn : placed;
-}
-constexpr std::size_t kNumShapes = 8;
 constexpr std::uintmax_t kMaxContourBytes = std::uintmax_t{1} << 20;
 
 Mesh readMesh(const YamlMap& map, const YamlNode& node, const std::filesystem::path& directory, double max_depth_error) {
-  const std::filesystem::path file = readHashedFile(map, "mesh", "a mesh file", directory, kMaxMeshFileBytes);
+  const std::filesystem::path file = readHashedFile(map, "mesh", directory, kMaxMeshFileBytes);
   MeshOptions options{.max_depth_error = max_depth_error};
   readFields(map, kMeshScaleFields, options);
-  const std::string up = map.choice("up_axis", {"x", "y", "z"}, "z");
-  options.up_axis = up == "x" ? UpAxis::kX : up == "y" ? UpAxis::kY : UpAxis::kZ;
+  options.up_axis = map.choice<UpAxis>("up_axis");
   readFields(map, kMeshErrorFields, options);
   return atNode(node, [&] { return loadMesh(file, options); });
 }
@@ -43,7 +30,7 @@ Mesh readMesh(const YamlMap& map, const YamlNode& node, const std::filesystem::p
 template <typename Solid, typename Table>
 Shape readSolid(const YamlMap& parent, std::string_view kind, const Table& table) {
   Solid solid;
-  readFields(YamlMap(parent, kind, keysOf(table)), table, solid);
+  readFields(YamlMap(parent, kind), table, solid);
   return solid;
 }
 
@@ -55,7 +42,7 @@ Shape readSolid(const YamlMap& parent, std::string_view kind) {
   if (kind == "cone") return readSolid<Cone>(parent, kind, kConeFields);
   if (kind == "torus") return readSolid<Torus>(parent, kind, kTorusFields);
   Canonical none;
-  const YamlMap map(parent.require(kind, "{}"), {}, none);
+  const YamlMap map(parent.require(kind), YamlMap::Keys{}, none);
   parent.canonical().line(kind, "{}");
   return HalfSpace{};
 }
@@ -70,27 +57,14 @@ void readEdge(const YamlMap& map, const std::filesystem::path& directory, SceneO
   }
   if (map.has("contour")) {
     map.rejectBoth("contour", "edge");
-    const YamlMap block(map, "contour", {"file", "sha256"});
-    const std::filesystem::path file = readHashedFile(block, "file", "a CSV file of points", directory, kMaxContourBytes);
-    object.contour = atNode(block.require("file", ""), [&] { return loadContour(file); });
+    const YamlMap block(map, "contour");
+    const std::filesystem::path file = readHashedFile(block, "file", directory, kMaxContourBytes);
+    object.contour = atNode(block.require("file"), [&] { return loadContour(file); });
   }
   if (map.has("anchor")) {
     map.rejectBoth("anchor", "contour", "an object with a contour starts at a random point of it");
     object.anchor = map.numbers<3>("anchor", Allowed::any("m"));
   }
-}
-
-// The key of the shape of an item; exactly one.
-std::string_view shapeOf(const YamlMap& map) {
-  std::string_view shape;
-  for (std::size_t i = 0; i < kNumShapes; ++i) {
-    const std::string_view key = objectKeys(ObjectUse::kDrawn)[i];
-    if (!map.has(key)) continue;
-    if (!shape.empty()) map.rejectBoth(key, shape, "an object has one shape");
-    shape = key;
-  }
-  if (shape.empty()) map.node().fail("no shape: one of " + std::string(kShapes));
-  return shape;
 }
 
 // Default names of objects: the name of the file or shape, with a number from the second on.
@@ -101,7 +75,7 @@ class Names {
 
   std::string make(const YamlMap& map, std::string_view shape) {
     std::string word(shape);
-    if (shape == "mesh") word = std::filesystem::path(map.require(shape, "a mesh file").text("a mesh file")).stem().string();
+    if (shape == "mesh") word = std::filesystem::path(map.require(shape).text(map.whatOf(shape))).stem().string();
     if (word.empty()) word = "mesh";
     int& number = numbers_[word];
     std::string name;
@@ -120,10 +94,9 @@ class Names {
 
 std::vector<SceneObject> readObjects(const YamlMap& map, const std::filesystem::path& directory, double max_depth_error, ObjectUse use) {
   Canonical& canonical = map.canonical();
-  const std::string what = "a list of at least one object";
-  const YamlNode list = map.require("objects", what);
-  const std::vector<YamlNode> items = list.items(what);
-  if (items.empty()) list.refuse(what);
+  const YamlNode list = map.require("objects", kObjectList);
+  const std::vector<YamlNode> items = list.items(kObjectList);
+  if (items.empty()) list.refuse(kObjectList);
   if (use == ObjectUse::kPlaced && items.size() > kMaxPlacedObjects) {
     list.fail(std::to_string(items.size()) + " objects are not allowed: at most " + std::to_string(kMaxPlacedObjects) +
               ", all in the scene at once");
@@ -138,8 +111,8 @@ std::vector<SceneObject> readObjects(const YamlMap& map, const std::filesystem::
   std::vector<SceneObject> objects;
   double total_weight = 0;
   for (const YamlNode& item : items) {
-    const YamlMap object_map = YamlMap::item(item, objectKeys(use), canonical);
-    const std::string_view shape = shapeOf(object_map);
+    const YamlMap object_map = YamlMap::item(item, use == ObjectUse::kDrawn ? objectKeys() : placedObjectKeys(), canonical);
+    const std::string_view shape = object_map.onlyOne();
     SceneObject object;
     std::optional<std::string> default_name;
     if (!object_map.has("name")) default_name = names.make(object_map, shape);
@@ -153,7 +126,7 @@ std::vector<SceneObject> readObjects(const YamlMap& map, const std::filesystem::
     }
     object.motion = readMotion(object_map, directory);
     if (shape == "mesh") {
-      object.object.shape = readMesh(object_map, object_map.require(shape, "a mesh file"), directory, max_depth_error);
+      object.object.shape = readMesh(object_map, object_map.require(shape), directory, max_depth_error);
     } else {
       for (const std::string_view key : {"scale", "up_axis", "max_depth_error", "sha256"}) {
         if (const std::optional<YamlNode> node = object_map.find(key)) node->fail("belongs to a mesh, not to a " + std::string(shape));

@@ -16,6 +16,8 @@ enum class ObjectUse {
 };
 inline constexpr std::size_t kMaxPlacedObjects = 8;  // kMaxSlots of taxelsim/simulator.h
 
+inline constexpr const char* kObjectList = "a list of at least one object";
+
 // Reads the objects of the scene `map`, loads their meshes (relative to `directory`) and checks them with checkObject(). `max_depth_error`:
 // m, of meshes that have no key of that name.
 std::vector<SceneObject> readObjects(const YamlMap& map, const std::filesystem::path& directory, double max_depth_error,

@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include "scene/keys/sensor.h"
 #include "scene/pose_reader.h"
 #include "scene/taxel_reader.h"
 #include "sensor/fields.h"
@@ -62,7 +63,7 @@ std::vector<GridPatch> readPatches(const YamlMap& map, const std::filesystem::pa
     std::set<std::string> names;
     int num_taxels = 0;
     for (const YamlNode& item : items) {
-      const YamlMap patch = YamlMap::item(item, {"name", "num_rows", "num_cols", "pitch[_mm]", "pose"}, canonical);
+      const YamlMap patch = YamlMap::item(item, patchKeys(), canonical);
       const std::string name = patch.text("name", "a name", "patch_" + std::to_string(patches.size()));
       if (!names.insert(name).second) item.fail("the name '" + name + "' is taken by an earlier patch");
       patches.push_back(readGrid(patch, name));

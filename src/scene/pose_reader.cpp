@@ -4,6 +4,8 @@
 #include <limits>
 #include <numbers>
 
+#include "scene/keys/sensor.h"
+
 namespace taxelsim {
 namespace {
 
@@ -42,7 +44,7 @@ Quaternion rotationOf(const YamlMap& map) {
 }  // namespace
 
 Pose readPose(const YamlMap& parent, std::string_view key) {
-  const YamlMap map(parent, key, {"position[_mm]", "rotation", "rpy[_deg]"});
+  const YamlMap map(parent, key, poseKeys());
   Pose pose;
   pose.position = map.numbers<3>("position", Allowed::any("m"), Vector3{0, 0, 0});
   pose.rotation = rotationOf(map);
@@ -50,7 +52,7 @@ Pose readPose(const YamlMap& parent, std::string_view key) {
 }
 
 Quaternion readRotation(const YamlMap& parent, std::string_view key) {
-  return rotationOf(YamlMap(parent, key, {"rotation", "rpy[_deg]"}));
+  return rotationOf(YamlMap(parent, key, rotationKeys()));
 }
 
 }  // namespace taxelsim

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "sensor/fields.h"
+
 namespace taxelsim {
 namespace {
 
@@ -34,7 +36,7 @@ std::vector<double> readKernel(const YamlNode& node, Canonical& canonical) {
 }  // namespace
 
 Psf readPsf(const YamlMap& sensor) {
-  const YamlMap map(sensor, "psf", {"gaussian", "skin_gaussian", "kernel", "normalization"});
+  const YamlMap map(sensor, "psf");
   Canonical& canonical = map.canonical();
   const std::optional<YamlNode> kernel = map.find("kernel"), skin_gaussian = map.find("skin_gaussian");
   Psf psf;
@@ -42,13 +44,12 @@ Psf readPsf(const YamlMap& sensor) {
   map.rejectBoth("kernel", "skin_gaussian");
   map.rejectBoth("kernel", "gaussian");
   if (skin_gaussian) {
-    const YamlMap gaussian(map, "skin_gaussian", {"sigma[_mm]", "reach[_mm]"});
-    psf.sigma = gaussian.number("sigma", Allowed::above(0, "m"));
-    psf.reach = gaussian.number("reach", Allowed::above(0, "m"), 3 * psf.sigma);
+    const YamlMap gaussian(map, "skin_gaussian");
+    psf.sigma = gaussian.number("sigma", kSkinGaussianFields[0].allowed);
+    psf.reach = gaussian.number("reach", kSkinGaussianFields[1].allowed, 3 * psf.sigma);
   } else if (map.has("gaussian")) {
-    const YamlMap gaussian(map, "gaussian", {"sigma", "size"});
-    // A smaller sigma spreads nothing; a larger one is flat over the largest kernel.
-    const double sigma = gaussian.number("sigma", Allowed::within(1e-3, 100, "taxels"));
+    const YamlMap gaussian(map, "gaussian");
+    const double sigma = gaussian.number("sigma");
     const int size = readKernelSize(gaussian.require("size", "an odd whole number from 1 to " + std::to_string(kMaxKernelSize)));
     canonical.line("size", std::to_string(size));
     psf = gaussianPsf(sigma, size);
@@ -58,8 +59,7 @@ Psf readPsf(const YamlMap& sensor) {
   } else {
     canonical.line("kernel", "[[1]]");
   }
-  const bool none = map.choice("normalization", {"per_source", "none"}, "per_source") == "none";
-  psf.normalization = none ? Psf::Normalization::kNone : Psf::Normalization::kPerSource;
+  psf.normalization = map.choice<Psf::Normalization>("normalization");
   return psf;
 }
 

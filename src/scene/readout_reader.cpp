@@ -106,7 +106,7 @@ void noteVisibleNoise(const YamlMap& map, const Readout& readout) {
 // The electronics for shear, if the file has them.
 std::optional<ThreeAxisReadout> readThreeAxis(const YamlMap& readout) {
   if (!readout.has("three_axis")) return {};
-  const YamlMap map(readout, "three_axis", {"gain", "noise", "hysteresis_strength", "hysteresis_width", "saturation"});
+  const YamlMap map(readout, "three_axis");
   ThreeAxisReadout axes;
   const std::string what = "three rows (x, y, normal) of three numbers, counts/N";
   const YamlNode gain = map.require("gain", what);
@@ -119,27 +119,14 @@ std::optional<ThreeAxisReadout> readThreeAxis(const YamlMap& readout) {
     text += (text.empty() ? "" : ", ") + canonicalList(row);
   }
   map.canonical().line("gain", "[" + text + "]");
-  const Vector3 none{0, 0, 0};
-  axes.noise = map.numbers<3>("noise", Allowed::within(0, kMaxAxisCounts, "counts"), none);
-  axes.hysteresis_strength = map.numbers<3>("hysteresis_strength", kAxisHysteresis, none);
-  axes.hysteresis_width = map.numbers<3>("hysteresis_width", Allowed::atLeast(0, "N"), none);
-  axes.saturation = static_cast<int>(map.integer("saturation", 1, kMaxAxisCounts, static_cast<std::uint64_t>(axes.saturation)));
+  readFields(map, kThreeAxisFields, axes);
   return axes;
 }
 
 }  // namespace
 
 Readout readReadout(const YamlMap& sensor, const std::vector<GridPatch>& patches) {
-  YamlMap::Keys keys{"curve"};
-  addKeys(kOutputFields, keys);
-  keys.push_back("saturation");
-  addKeys(kNoiseFields, keys);
-  for (const std::string_view key :
-       {"taxel_gain", "taxel_trigger", "calibrated_gain", "hysteresis_strength", "hysteresis_width", "creep", "three_axis"})
-    keys.push_back(key);
-  addKeys(kTimeFields, keys);
-  addKeys(kImperfectionFields, keys);
-  const YamlMap map(sensor, "readout", keys);
+  const YamlMap map(sensor, "readout");
   Readout readout;
   readCurve(map, readout);
   if (!hasTrigger(map)) readout.trigger = defaultTrigger(map, readout);

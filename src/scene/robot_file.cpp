@@ -6,6 +6,7 @@
 
 #include "control/robot_fields.h"
 #include "scene/hashed_file.h"
+#include "scene/keys/robot.h"
 #include "scene/pose_reader.h"
 #include "scene/sensor_file.h"
 #include "scene/urdf_taxels.h"
@@ -14,20 +15,9 @@
 namespace taxelsim {
 namespace {
 
-constexpr std::string_view kRobotKinds = "free_flying | pan_tilt | urdf";
 constexpr const char* kRobotBlock = "a robot file, or a robot's own settings";
 // Names below data/ that are no sensor's.
 constexpr std::array<std::string_view, 3> kColumnGroups = {"time", "robot", "object_pose"};
-constexpr std::array<std::string_view, 6> kCoordinates = {"vx", "vy", "vz", "wx", "wy", "wz"};
-
-// The given keys and those of all robots with joints.
-YamlMap::Keys withManipulatorKeys(YamlMap::Keys keys) {
-  keys.insert(keys.end(), {"base", "sensors", "selection"});
-  addKeys(kManipulatorFields, keys);
-  addKeys(kDriveFields, keys);
-  keys.emplace_back("initial_positions");
-  return keys;
-}
 
 // Where mounts come from.
 struct SensorFiles {
@@ -48,7 +38,7 @@ void writeMount(const SensorMount& mount, Canonical& canonical) {
 SensorMount readMount(const YamlMap& mount, const SensorFiles& files) {
   const std::optional<YamlNode> node = mount.find("urdf_sensor");
   if (!node) {
-    SensorMount result{.link = mount.text("link", "the name of a link"), .X_LS = {}};
+    SensorMount result{.link = mount.text("link"), .X_LS = {}};
     result.X_LS = readPose(mount, "mount");
     return result;
   }
@@ -56,18 +46,17 @@ SensorMount readMount(const YamlMap& mount, const SensorFiles& files) {
   for (const std::string_view key : {"link", "mount"}) {
     if (mount.has(key)) node->fail("not allowed with " + std::string(key) + ": the description says where the sensor is");
   }
-  const SensorMount result = loadUrdfMount(*files.robot_description, node->text("the name of a tactile sensor in the URDF"));
+  const SensorMount result = loadUrdfMount(*files.robot_description, node->text(mount.whatOf("urdf_sensor")));
   writeMount(result, mount.canonical());
   return result;
 }
 
 // The name and the sensor of a mount.
 RobotSensor readRobotSensor(const YamlMap& mount, const SensorFiles& files) {
-  static constexpr const char* kName = "a name of letters, digits and _";
-  RobotSensor result{.name = mount.text("name", kName), .sensor = {}, .text = {}};
-  const YamlNode name = mount.require("name", kName);
+  RobotSensor result{.name = mount.text("name"), .sensor = {}, .text = {}};
+  const YamlNode name = mount.require("name");
   const auto fits = [](unsigned char c) { return (c < 0x80 && std::isalnum(c) != 0) || c == '_'; };
-  if (!std::all_of(result.name.begin(), result.name.end(), fits)) name.refuse(kName);
+  if (!std::all_of(result.name.begin(), result.name.end(), fits)) name.refuse(mount.whatOf("name"));
   if (std::find(kColumnGroups.begin(), kColumnGroups.end(), result.name) != kColumnGroups.end()) {
     name.fail(result.name + " is not allowed: data sets have a column of this name");
   }
@@ -82,7 +71,6 @@ RobotSensor readRobotSensor(const YamlMap& mount, const SensorFiles& files) {
 }
 
 std::vector<SensorMount> readMounts(const YamlMap& map, const std::vector<SensorMount>& otherwise, const SensorFiles& files) {
-  const std::string what = "a list of at least one {link, mount}";
   Canonical& canonical = map.canonical();
   std::vector<SensorMount> mounts;
   if (!map.has("sensors") && !otherwise.empty() && files.sensors == nullptr) {
@@ -95,10 +83,10 @@ std::vector<SensorMount> readMounts(const YamlMap& map, const std::vector<Sensor
     canonical.close();
     return otherwise;
   }
-  const YamlNode list = map.require("sensors", what);
+  const std::vector<YamlNode> items = map.items("sensors");
   canonical.open("sensors");
-  for (const YamlNode& item : list.items(what)) {
-    const YamlMap mount(YamlMap::item(item, {"name", "link", "mount", "sensor", "urdf_sensor"}, canonical));
+  for (const YamlNode& item : items) {
+    const YamlMap mount(YamlMap::item(item, mountKeys(), canonical));
     if (files.sensors != nullptr) files.sensors->push_back(readRobotSensor(mount, files));
     for (const std::string_view key : {"name", "sensor"}) {
       const std::optional<YamlNode> node = mount.find(key);
@@ -107,7 +95,6 @@ std::vector<SensorMount> readMounts(const YamlMap& map, const std::vector<Sensor
     mounts.push_back(readMount(mount, files));
   }
   canonical.close();
-  if (mounts.empty()) list.refuse(what);
   return mounts;
 }
 
@@ -118,15 +105,15 @@ std::array<bool, 6> readSelection(const YamlMap& map, std::array<bool, 6> select
     if (items.empty()) node->refuse(what);
     selection.fill(false);
     for (const YamlNode& item : items) {
-      const std::string word = item.choice({"vx", "vy", "vz", "wx", "wy", "wz"});
-      bool& chosen = selection[std::find(kCoordinates.begin(), kCoordinates.end(), word) - kCoordinates.begin()];
+      const std::string word = item.choice(kCoordinateNames);
+      bool& chosen = selection[std::find(kCoordinateNames.begin(), kCoordinateNames.end(), word) - kCoordinateNames.begin()];
       if (chosen) item.fail(word + " is given twice");
       chosen = true;
     }
   }
   std::string text;
   for (std::size_t i = 0; i < selection.size(); ++i) {
-    if (selection[i]) text += (text.empty() ? "" : ", ") + std::string(kCoordinates[i]);
+    if (selection[i]) text += (text.empty() ? "" : ", ") + std::string(kCoordinateNames[i]);
   }
   map.canonical().line("selection", "[" + text + "]");
   return selection;
@@ -177,7 +164,7 @@ void readManipulator(const YamlMap& map, Manipulator& robot) {
 }
 
 Manipulator readPanTilt(const YamlMap& parent, const SensorFiles& files) {
-  const YamlMap map(parent, "pan_tilt", withManipulatorKeys(keysOf(kPanTiltFields)));
+  const YamlMap map(parent, "pan_tilt");
   PanTilt platform;
   readFields(map, kPanTiltFields, platform);
   readFields(map, kDriveFields, platform.drive);
@@ -188,10 +175,10 @@ Manipulator readPanTilt(const YamlMap& parent, const SensorFiles& files) {
 }
 
 Manipulator readUrdf(const YamlMap& parent, const SensorFiles& files) {
-  const YamlMap map(parent, "urdf", withManipulatorKeys({"file", "sha256", "base_link", kUrdfFields[0].key}));
-  const std::filesystem::path file = readHashedFile(map, "file", "a URDF file", files.directory, kMaxRobotFileBytes);
+  const YamlMap map(parent, "urdf");
+  const std::filesystem::path file = readHashedFile(map, "file", files.directory, kMaxRobotFileBytes);
   UrdfOptions options;
-  if (map.has("base_link")) options.base_link = map.text("base_link", "the name of a link");
+  if (map.has("base_link")) options.base_link = map.text("base_link");
   readFields(map, kUrdfFields, options);
   JointDrive drive;
   readFields(map, kDriveFields, drive);
@@ -203,16 +190,12 @@ Manipulator readUrdf(const YamlMap& parent, const SensorFiles& files) {
 }
 
 Robot readRobot(const YamlNode& node, const SensorFiles& files, Canonical& canonical, bool versioned) {
-  YamlMap::Keys keys{"free_flying", "pan_tilt", "urdf"};
-  if (versioned) keys.insert(keys.begin(), "format_version");
-  const YamlMap map(node, keys, canonical);
-  int num_kinds = 0;
-  for (const std::string_view kind : {"free_flying", "pan_tilt", "urdf"}) num_kinds += map.has(kind) ? 1 : 0;
-  if (num_kinds != 1) node.fail("exactly one of " + std::string(kRobotKinds));
-  if (map.has("pan_tilt")) return readPanTilt(map, files);
-  if (map.has("urdf")) return readUrdf(map, files);
+  const YamlMap map(node, robotKeys(), canonical, versioned ? "" : "format_version");
+  const std::string_view kind = map.onlyOne();
+  if (kind == "pan_tilt") return readPanTilt(map, files);
+  if (kind == "urdf") return readUrdf(map, files);
   Canonical none;
-  const YamlMap nothing(map.require("free_flying", "{}"), {}, none);
+  const YamlMap nothing(map.require(kind), YamlMap::Keys{}, none);
   canonical.line("free_flying", "{}");
   return FreeFlying{};
 }

@@ -7,6 +7,7 @@
 
 #include "base/field_checks.h"
 #include "control/servo_fields.h"
+#include "scene/keys/scene.h"
 #include "scene/scene_fields.h"
 #include "scene/skin_ranges.h"
 
@@ -83,11 +84,7 @@ void checkRandomization(const Scene& scene) {
   const auto check = [&](const auto& table) {
     for (const RangeField& field : table) {
       const std::string path = "randomization." + std::string(field.name());
-      if (const auto* member = std::get_if<Range Randomization::*>(&field.member)) {
-        checkRange(path, random.*(*member), field.allowed);
-      } else if (const std::optional<Range>& range = random.*std::get<1>(field.member)) {
-        checkRange(path, *range, field.allowed);
-      }
+      if (const std::optional<Range> range = field.in(random)) checkRange(path, *range, field.allowed);
     }
   };
   check(kRandomizationFields);
@@ -147,17 +144,7 @@ void checkRecordedEpisodes(const Scene& scene) {
 }
 
 std::string wordOf(Scene::Kind kind) {
-  switch (kind) {
-    case Scene::Kind::kServo:
-      return "servo";
-    case Scene::Kind::kContacts:
-      return "contacts";
-    case Scene::Kind::kGrasp:
-      return "grasp";
-    case Scene::Kind::kContactPoints:
-      return "contact_points";
-  }
-  return {};
+  return std::string(kSceneKindNames[static_cast<std::size_t>(kind)]);
 }
 
 void checkScene(const Scene& scene) {

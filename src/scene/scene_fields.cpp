@@ -8,15 +8,16 @@ namespace taxelsim {
 namespace {
 
 constexpr std::array kEdgeAngleFields{
-    Field<TaskCriterion>{"reference[_deg]", &TaskCriterion::reference, kEdgeAngleReference},
-    Field<TaskCriterion>{"tolerance[_deg]", &TaskCriterion::tolerance, Allowed::aboveUpTo(0, std::numbers::pi / 2, "rad"), kRequired},
+    Field<TaskCriterion>{"reference[_deg]", &TaskCriterion::reference, kEdgeAngleReference, kOptional, "Reference"},
+    Field<TaskCriterion>{"tolerance[_deg]", &TaskCriterion::tolerance, Allowed::aboveUpTo(0, std::numbers::pi / 2, "rad"), kRequired,
+                         "Largest error, modulo 180 degrees"},
 };
 constexpr std::array kTotalForceFields{
-    Field<TaskCriterion>{"reference", &TaskCriterion::reference, kForceReference},
-    Field<TaskCriterion>{"tolerance", &TaskCriterion::tolerance, Allowed::above(0, "N"), kRequired},
+    Field<TaskCriterion>{"reference", &TaskCriterion::reference, kForceReference, kOptional, "Reference"},
+    Field<TaskCriterion>{"tolerance", &TaskCriterion::tolerance, Allowed::above(0, "N"), kRequired, "Largest error"},
 };
 constexpr std::array kDistanceFields{
-    Field<TaskCriterion>{"tolerance[_mm]", &TaskCriterion::tolerance, Allowed::above(0, "m"), kRequired},
+    Field<TaskCriterion>{"tolerance[_mm]", &TaskCriterion::tolerance, Allowed::above(0, "m"), kRequired, "Largest distance"},
 };
 
 }  // namespace

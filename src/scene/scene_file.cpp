@@ -6,6 +6,7 @@
 #include "scene/conditions.h"
 #include "scene/contact_recording_reader.h"
 #include "scene/grasp_reader.h"
+#include "scene/keys/scene.h"
 #include "scene/object_reader.h"
 #include "scene/pose_reader.h"
 #include "scene/robot_file.h"
@@ -60,9 +61,7 @@ void readRanges(const YamlMap& map, std::span<const RangeField> table, Randomiza
 
 void readEpisode(const YamlMap& parent, Scene& scene) {
   const bool is_controlled = scene.kind != Scene::Kind::kContactPoints;
-  const YamlMap map(
-      parent, "episode",
-      is_controlled ? keysOf(kNumStepsFields, kSimulationRateFields, kControlRateFields) : keysOf(kNumStepsFields, kSimulationRateFields));
+  const YamlMap map(parent, "episode");
   if (scene.kind != Scene::Kind::kContacts) {
     readFields(map, kNumStepsFields, scene);
   } else {
@@ -92,8 +91,7 @@ void checkDelay(const YamlNode& place, const Sensor& sensor, const Scene& scene)
 
 Randomization readRandomization(const YamlMap& parent, const Scene& scene) {
   const bool moves = scene.kind == Scene::Kind::kServo;
-  const YamlMap map(parent, "randomization",
-                    moves ? keysOf(kRandomizationFields, kServoRandomizationFields) : keysOf(kRandomizationFields));
+  const YamlMap map(parent, "randomization", moves ? servoRandomizationKeys() : randomizationKeys());
   map.rejectBoth("depth", "load");
   if (!map.has("depth")) {
     if (!map.has("load")) {
@@ -113,7 +111,7 @@ Randomization readRandomization(const YamlMap& parent, const Scene& scene) {
 // Contact points do not press on a skin: only the readout varies.
 Randomization readReadoutVariation(const YamlMap& parent) {
   const std::array fields{randomizationField("gain"), randomizationField("gain_spread"), randomizationField("noise")};
-  const YamlMap map(parent, "randomization", keysOf(fields));
+  const YamlMap map(parent, "randomization");
   Randomization random;
   readRanges(map, fields, random);
   return random;
@@ -150,8 +148,7 @@ std::string whyNotRecorded(std::string_view word, Scene::Kind kind) {
 std::vector<std::string> readRecord(const YamlMap& map, Scene::Kind kind) {
   std::vector<std::string> chosen;
   if (const std::optional<YamlNode> node = map.find("record")) {
-    std::string words;
-    for (const std::string_view column : kRecordWords) words += (words.empty() ? "" : " | ") + std::string(column);
+    const std::string words = listOf(kRecordWords);
     const std::vector<YamlNode> items = node->items("a list of " + words);
     if (items.empty()) node->refuse("a list of at least one of " + words);
     for (const YamlNode& item : items) {
@@ -211,7 +208,7 @@ void readMaxRegions(const YamlMap& map, Scene& scene) {
 // The command line's values replace those of the file before the check. The number of episodes is not in the canonical text, so that a data
 // set can grow: an episode does not depend on it.
 void readDataSet(const YamlMap& parent, const SceneOverrides& overrides, Scene& scene) {
-  const YamlMap map(parent, "data_set", keysOf(kNumEpisodesFields, kSeedFields, kDataSetFields));
+  const YamlMap map(parent, "data_set");
   if (overrides.num_episodes) {
     scene.num_episodes = *overrides.num_episodes;
     checkFields("", kNumEpisodesFields, scene);
@@ -236,15 +233,6 @@ void readRecordedEpisodes(const YamlMap& map, const SceneOverrides& overrides, S
   const std::optional<YamlNode> given = block ? block->child("episodes") : std::nullopt;
   const YamlNode place = given && !overrides.num_episodes ? *given : map.require("contact_points", "");
   atNode(place, [&] { checkRecordedEpisodes(scene); });
-}
-
-YamlMap::Keys graspKeys() {
-  return {"format_version", "name",          "kind", "robot",  "objects",     "grasp",
-          "episode",        "randomization", "task", "record", "max_regions", "data_set"};
-}
-
-YamlMap::Keys contactPointsKeys() {
-  return {"format_version", "name", "kind", "sensor", "contact_points", "episode", "randomization", "record", "max_regions", "data_set"};
 }
 
 // The rest of a scene of kind grasp.
@@ -283,22 +271,12 @@ void readContactPointsScene(const YamlMap& map, const std::filesystem::path& dir
   readMaxRegions(map, scene);
 }
 
-YamlMap::Keys sceneKeys() {
-  return {"format_version", "name",       "kind",        "sensor", "robot",  "objects",     "episode", "randomization(randomisation)",
-          "conditions",     "controller", "controllers", "task",   "record", "max_regions", "data_set"};
-}
-
-// Keys of the kind that the file names; those of sceneKeys() if it names none.
-YamlMap::Keys keysOfKind(const YamlNode& root) {
+// The keys of the kind that the file names. A scene of kind contacts, or of none, may have those of a servo: the readers say why it must
+// not.
+const Block& keysOfKind(const YamlNode& root) {
   const std::optional<YamlNode> kind = root.isMap() ? root.child("kind") : std::nullopt;
   const std::string_view word = kind && kind->isScalar() ? std::string_view(kind->tree().text) : std::string_view();
-  return word == "grasp" ? graspKeys() : word == "contact_points" ? contactPointsKeys() : sceneKeys();
-}
-
-Scene::Kind kindOf(const std::string& word) {
-  if (word == "servo") return Scene::Kind::kServo;
-  if (word == "grasp") return Scene::Kind::kGrasp;
-  return word == "contact_points" ? Scene::Kind::kContactPoints : Scene::Kind::kContacts;
+  return sceneKeys(word == "grasp" ? Scene::Kind::kGrasp : word == "contact_points" ? Scene::Kind::kContactPoints : Scene::Kind::kServo);
 }
 
 // Reads the overrides of all conditions, whichever is loaded. `tree`: the file as it is.
@@ -307,7 +285,7 @@ void checkConditions(const YamlTree& tree, const std::string& name, const std::f
   for (const std::string& condition : scene.conditions) {
     const YamlTree overridden = inCondition(tree, name, condition);
     Canonical unused;
-    const YamlMap map(YamlNode(overridden, name), sceneKeys(), unused);
+    const YamlMap map(YamlNode(overridden, name), sceneKeys(Scene::Kind::kServo), unused);
     Scene changed;
     changed.kind = scene.kind;
     changed.simulation_rate = scene.simulation_rate;
@@ -354,8 +332,8 @@ Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrid
   scene.conditions = conditionNames(tree, name);
   scene.condition = condition;
   map.integer("format_version", 1, kFormatVersion);
-  scene.name = map.text("name", "a name");
-  scene.kind = kindOf(map.choice("kind", {"servo", "contacts", "grasp", "contact_points"}));
+  scene.name = map.text("name");
+  scene.kind = map.choice<Scene::Kind>("kind");
   if (scene.kind == Scene::Kind::kGrasp) {
     readGraspScene(map, directory, scene);
     readDataSet(map, overrides, scene);

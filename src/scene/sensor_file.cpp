@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "scene/keys/sensor.h"
 #include "scene/patch_reader.h"
 #include "scene/psf_reader.h"
 #include "scene/readout_reader.h"
@@ -21,17 +22,12 @@ void checkFormatVersion(const YamlNode& root) {
 }
 
 Sensor readSensor(const YamlNode& node, const std::filesystem::path& directory, Canonical& canonical, bool versioned) {
-  std::vector<std::string_view> keys = {
-      "name",       "patches",           "taxels",         "taxel_mesh", "urdf", "num_rows", "num_cols", "pitch[_mm]", "pose",
-      "frame_rate", "samples_per_taxel", "depth_sampling", "skin",       "psf",  "readout"};
-  if (versioned) keys.insert(keys.begin(), "format_version");
-  const YamlMap map(node, keys, canonical);
+  const YamlMap map(node, sensorKeys(), canonical, versioned ? "" : "format_version");
   Sensor sensor;
-  sensor.name = map.text("name", "a name");
+  sensor.name = map.text("name");
   sensor.patches = readPatches(map, directory);
   readFields(map, kSensorFields, sensor);
-  const bool is_area = map.choice("depth_sampling", {"point", "area"}, "point") == "area";
-  sensor.depth_sampling = is_area ? DepthSampling::kArea : DepthSampling::kPoint;
+  sensor.depth_sampling = map.choice<DepthSampling>("depth_sampling");
   sensor.skin = readSkin(map);
   sensor.psf = readPsf(map);
   sensor.readout = readReadout(map, sensor.patches);

@@ -38,6 +38,11 @@ class Writer {
     line(key, canonicalList(unsigned_zeros));
   }
 
+  template <std::size_t N, typename Enum>
+  void word(std::string_view key, const std::array<std::string_view, N>& words, Enum value) {
+    line(key, std::string(words[static_cast<std::size_t>(value)]));
+  }
+
   // write() writes the lines below `key`.
   template <typename Function>
   void block(std::string_view key, Function write) {
@@ -104,7 +109,7 @@ void writeLaw(const Law& law, Writer& out) {
 
 void writeLaw(const ElasticLayer& law, Writer& out) {
   writeFields(kElasticLayerFields, law, out);
-  out.line("base", law.base == ElasticLayer::Base::kBonded ? "bonded" : "half_space");
+  out.word("base", kBaseNames, law.base);
   writeFields(kLayerSolverFields, law, out);
 }
 
@@ -114,8 +119,7 @@ void writeSkin(const Skin& skin, Writer& out) {
   std::visit([&](const auto& law) { writeLaw(law, out); }, skin.law);
   if (std::holds_alternative<ElasticLayer>(skin.law)) writeFields(kMarginFields, skin, out);
   if (skin.friction.friction_coefficient > 0) {
-    out.line("friction_coefficient", skin.friction.friction_coefficient);
-    out.line("tangential_stiffness", skin.friction.tangential_stiffness);
+    writeFields(kFrictionFields, skin.friction, out);
   }
   writeTerms("relaxation", skin.relaxation, kRelaxationFields, out);
 }
@@ -134,15 +138,12 @@ void writePsf(const Psf& psf, Writer& out) {
     }
     out.line("kernel", "[" + rows + "]");
   }
-  out.line("normalization", psf.normalization == Psf::Normalization::kPerSource ? "per_source" : "none");
+  out.word("normalization", kNormalizationNames, psf.normalization);
 }
 
 void writeThreeAxis(const ThreeAxisReadout& axes, Writer& out) {
   out.line("gain", "[" + canonicalList(axes.gain[0]) + ", " + canonicalList(axes.gain[1]) + ", " + canonicalList(axes.gain[2]) + "]");
-  out.line("noise", axes.noise);
-  out.line("hysteresis_strength", axes.hysteresis_strength);
-  out.line("hysteresis_width", axes.hysteresis_width);
-  out.line("saturation", axes.saturation);
+  writeFields(kThreeAxisFields, axes, out);
 }
 
 void writeReadout(const Readout& readout, Writer& out) {
@@ -191,7 +192,7 @@ std::string sensorText(const Sensor& sensor, const std::map<std::string, std::st
   out.line("name", canonicalText(sensor.name));
   writePatches(sensor, out);
   writeFields(kSensorFields, sensor, out);
-  out.line("depth_sampling", sensor.depth_sampling == DepthSampling::kArea ? "area" : "point");
+  out.word("depth_sampling", kDepthSamplingNames, sensor.depth_sampling);
   writeFields(kFrameRateFields, sensor, out);
   out.block("skin", [&] { writeSkin(sensor.skin, out); });
   out.block("psf", [&] { writePsf(sensor.psf, out); });

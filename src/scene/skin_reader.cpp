@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "scene/keys/sensor.h"
 #include "scene/terms_reader.h"
 #include "sensor/fields.h"
 #include "sensor/hints.h"
@@ -20,23 +21,6 @@ void forEachLaw(Visit visit) {
   forEachLaw(visit, std::make_index_sequence<std::variant_size_v<ContactLaw>>());
 }
 
-// Keys of each law, in the order of kLawNames.
-const std::vector<YamlMap::Keys>& lawKeys() {
-  static const std::vector<YamlMap::Keys> all = [] {
-    std::vector<YamlMap::Keys> result;
-    forEachLaw([&](const auto& law) {
-      YamlMap::Keys& keys = result.emplace_back();
-      visitFields(law, [&](const auto& table) { addKeys(table, keys); });
-      if constexpr (std::is_same_v<std::decay_t<decltype(law)>, ElasticLayer>) {
-        keys.insert(keys.begin() + kElasticLayerFields.size(), "base");
-        addKeys(kMarginFields, keys);
-      }
-    });
-    return result;
-  }();
-  return all;
-}
-
 template <typename Law>
 void readLawFields(const YamlMap& map, Law& law) {
   visitFields(law, [&](const auto& table) { readFields(map, table, law); });
@@ -44,28 +28,28 @@ void readLawFields(const YamlMap& map, Law& law) {
 
 void readLawFields(const YamlMap& map, ElasticLayer& law) {
   readFields(map, kElasticLayerFields, law);
-  const bool is_bonded = map.choice("base", {"half_space", "bonded"}, "bonded") == "bonded";
-  law.base = is_bonded ? ElasticLayer::Base::kBonded : ElasticLayer::Base::kHalfSpace;
+  law.base = map.choice<ElasticLayer::Base>("base");
   readFields(map, kLayerSolverFields, law);
 }
 
 // Refuses keys of other laws.
 void checkLawKeys(const YamlMap& map, std::size_t chosen) {
-  const YamlMap::Keys& keys = lawKeys()[chosen];
-  for (std::size_t other = 0; other < kLawNames.size(); ++other) {
-    for (const std::string_view key : lawKeys()[other]) {
-      if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
-      if (const std::optional<YamlNode> given = map.find(key)) {
-        given->fail("not a key of law " + std::string(kLawNames[chosen]) + " but of " + std::string(kLawNames[other]));
+  const std::vector<Block::Case>& laws = skinKeys().cases;
+  const auto has = [](const Block::Case& law, std::string_view name) {
+    return std::any_of(law.keys.begin(), law.keys.end(), [&](const Key& key) { return key.name() == name; });
+  };
+  for (const Block::Case& other : laws) {
+    for (const Key& key : other.keys) {
+      if (has(laws[chosen], key.name())) continue;
+      if (const std::optional<YamlNode> given = map.find(key.name())) {
+        given->fail("not a key of law " + std::string(kLawNames[chosen]) + " but of " + std::string(other.word));
       }
     }
   }
 }
 
 ContactLaw readLaw(const YamlMap& map) {
-  const std::string name =
-      map.choice("law", {"winkler", "mass_spring_damper", "deformation_mask", "proximity", "elastic_layer", "lugre"}, "winkler");
-  const auto chosen = static_cast<std::size_t>(std::find(kLawNames.begin(), kLawNames.end(), name) - kLawNames.begin());
+  const std::size_t chosen = map.wordOf("law");
   checkLawKeys(map, chosen);
   ContactLaw result;
   std::size_t number = 0;
@@ -85,10 +69,10 @@ void refusePasternak(const YamlMap& sensor) {
 
 Friction readFriction(const YamlMap& map) {
   Friction friction;
-  friction.friction_coefficient =
-      map.number("friction_coefficient", Allowed::within(0, kMaxFrictionCoefficient, ""), friction.friction_coefficient);
+  const auto table = std::span<const Field<Friction>>(kFrictionFields);
+  readFields(map, table.first(1), friction);
   if (friction.friction_coefficient > 0) {
-    friction.tangential_stiffness = map.number("tangential_stiffness", Allowed::above(0, "N/m^3"));
+    readFields(map, table.subspan(1), friction);
   } else if (const std::optional<YamlNode> alone = map.find("tangential_stiffness")) {
     alone->fail("given without friction: needs friction_coefficient > 0");
   }
@@ -99,15 +83,7 @@ Friction readFriction(const YamlMap& map) {
 
 Skin readSkin(const YamlMap& sensor) {
   refusePasternak(sensor);
-  YamlMap::Keys keys;
-  addKeys(kSkinFields, keys);
-  for (const std::string_view key : {"law", "friction_coefficient", "tangential_stiffness", "relaxation"}) keys.push_back(key);
-  for (const YamlMap::Keys& of_law : lawKeys()) {
-    for (const std::string_view key : of_law) {
-      if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
-    }
-  }
-  const YamlMap map(sensor, "skin", keys);
+  const YamlMap map(sensor, "skin");
   Skin skin;
   readFields(map, kSkinFields, skin);
   if (const std::string question = unitQuestion(skin); !question.empty()) map.require("thickness", "").warn(question + " thickness_mm");

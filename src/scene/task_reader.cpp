@@ -15,8 +15,7 @@ std::optional<TaskCriterion> readCriterion(const YamlMap& parent, TaskMeasure me
   if (!parent.has(name)) return {};
   TaskCriterion criterion;
   if (measure == TaskMeasure::kEdgeAngle) criterion.reference = 0;
-  const auto fields = criterionFields(measure);
-  readFields(YamlMap(parent, name, keysOf(fields)), fields, criterion);
+  readFields(YamlMap(parent, name), criterionFields(measure), criterion);
   return criterion;
 }
 
@@ -26,9 +25,7 @@ std::optional<Task> readTask(const YamlMap& scene_map, const Scene& scene) {
   const std::optional<YamlNode> node = scene_map.find("task");
   if (!node) return {};
   if (scene.kind == Scene::Kind::kContacts) node->fail("a scene of kind contacts has no task");
-  YamlMap::Keys keys(kTaskMeasureNames.begin(), kTaskMeasureNames.end());
-  addKeys(kTaskFields, keys);
-  const YamlMap map(scene_map, "task", keys);
+  const YamlMap map(scene_map, "task");
   Task task;
   for (int m = 0; m < kNumTaskMeasures; ++m) {
     task.criteria[static_cast<std::size_t>(m)] = readCriterion(map, static_cast<TaskMeasure>(m));

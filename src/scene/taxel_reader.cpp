@@ -1,6 +1,8 @@
 #include "scene/taxel_reader.h"
 
+#include "geometry/object_fields.h"
 #include "scene/hashed_file.h"
+#include "scene/keys/sensor.h"
 #include "scene/urdf_taxels.h"
 #include "sensor/taxel_mesh.h"
 #include "taxelsim/object.h"
@@ -39,16 +41,13 @@ GridPatch readTaxel(const YamlMap& map, std::string name) {
 }  // namespace
 
 std::vector<GridPatch> readTaxelList(const YamlMap& sensor) {
-  const std::string what = "a list of at least one taxel";
-  const YamlNode list = sensor.require("taxels", what);
-  const std::vector<YamlNode> items = list.items(what);
-  if (items.empty()) list.refuse(what);
-  if (items.size() > static_cast<std::size_t>(kMaxListTaxels)) list.refuse(kAtMost);
+  const std::vector<YamlNode> items = sensor.items("taxels");
+  if (items.size() > static_cast<std::size_t>(kMaxListTaxels)) sensor.require("taxels").refuse(kAtMost);
   Canonical& canonical = sensor.canonical();
   canonical.open("taxels");
   std::vector<GridPatch> taxels;
   for (const YamlNode& item : items) {
-    const YamlMap map = YamlMap::item(item, {"position[_mm]", "normal", "size[_mm]", "x_axis"}, canonical);
+    const YamlMap map = YamlMap::item(item, taxelKeys(), canonical);
     taxels.push_back(readTaxel(map, "taxel_" + std::to_string(taxels.size())));
   }
   canonical.close();
@@ -56,13 +55,12 @@ std::vector<GridPatch> readTaxelList(const YamlMap& sensor) {
 }
 
 std::vector<GridPatch> readTaxelMesh(const YamlMap& sensor, const std::filesystem::path& directory) {
-  const YamlMap map(sensor, "taxel_mesh", {"file", "scale", "up_axis", "sha256"});
-  const std::filesystem::path file = readHashedFile(map, "file", "a mesh file", directory, kMaxMeshFileBytes);
+  const YamlMap map(sensor, "taxel_mesh");
+  const std::filesystem::path file = readHashedFile(map, "file", directory, kMaxMeshFileBytes);
   MeshOptions options;
-  options.scale = map.number("scale", Allowed::above(0, "m per unit of the file"), options.scale);
-  const std::string up = map.choice("up_axis", {"x", "y", "z"}, "z");
-  options.up_axis = up == "x" ? UpAxis::kX : up == "y" ? UpAxis::kY : UpAxis::kZ;
-  const YamlNode node = map.require("file", "a mesh file");
+  readFields(map, kMeshScaleFields, options);
+  options.up_axis = map.choice<UpAxis>("up_axis");
+  const YamlNode node = map.require("file");
   const Mesh mesh = atNode(node, [&] { return loadMesh(file, options); });
   if (mesh.triangles.size() > 2 * static_cast<std::size_t>(kMaxListTaxels)) {
     node.fail(std::to_string(mesh.triangles.size()) + " triangles are not allowed: two a taxel, " + kAtMost);
@@ -71,9 +69,9 @@ std::vector<GridPatch> readTaxelMesh(const YamlMap& sensor, const std::filesyste
 }
 
 std::vector<GridPatch> readTaxelUrdf(const YamlMap& sensor, const std::filesystem::path& directory) {
-  const YamlMap map(sensor, "urdf", {"file", "sensor", "sha256"});
-  const std::filesystem::path file = readHashedFile(map, "file", "a URDF file", directory, kMaxUrdfBytes);
-  const std::string name = map.text("sensor", "the name of a tactile sensor in the URDF");
+  const YamlMap map(sensor, "urdf");
+  const std::filesystem::path file = readHashedFile(map, "file", directory, kMaxUrdfBytes);
+  const std::string name = map.text("sensor");
   return atNode(map.node(), [&] { return loadUrdfTaxels(file, name, kMaxListTaxels); });
 }
 

@@ -15,23 +15,6 @@ namespace {
 constexpr double kLargest = 1e30;
 constexpr double kSmallest = 1e-30;
 constexpr std::size_t kMaxText = 200;  // bytes of a name or file name
-constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
-
-const YamlTree& emptyMap() {
-  static const YamlTree tree = [] {
-    YamlTree map;
-    map.kind = YamlTree::Kind::kMap;
-    return map;
-  }();
-  return tree;
-}
-
-// "randomization" and "load" -> "randomization.load"
-std::string below(const std::string& path, std::string_view key) {
-  std::string result = path;
-  if (!path.empty()) result += '.';
-  return result.append(key);
-}
 
 std::string shown(const YamlTree& tree) {
   switch (tree.kind) {
@@ -54,33 +37,10 @@ std::string shown(const YamlTree& tree) {
   return text.empty() ? "an empty text" : text;
 }
 
-// A bound in the unit of the file. Rounding removes the last bits of pi / 180, so that 90 deg is 90.
-double inUnit(double bound, YamlNode::Unit unit) {
-  switch (unit) {
-    case YamlNode::Unit::kMilli:
-      return bound * 1000;
-    case YamlNode::Unit::kDegree:
-      return std::isfinite(bound) ? std::round(bound * kDegreesPerRadian * 1e9) / 1e9 : bound;
-    case YamlNode::Unit::kSi:
-      break;
-  }
-  return bound;
-}
-
-std::string unitName(std::string_view si, YamlNode::Unit unit) {
-  std::string name;
-  if (unit == YamlNode::Unit::kMilli) name.append("m").append(si);                                            // m, m/s
-  if (unit == YamlNode::Unit::kDegree) name.append("deg").append(si.substr(std::string_view("rad").size()));  // rad, rad/s
-  return name.empty() ? std::string(si) : name;
-}
-
 // The allowed numbers in the unit of a file.
-std::string describe(Allowed allowed, YamlNode::Unit unit) {
-  const std::string name = unitName(allowed.unit, unit);
-  allowed.min = inUnit(allowed.min, unit);
-  allowed.max = inUnit(allowed.max, unit);
-  allowed.unit = name;
-  return describe(allowed);
+std::string describe(const Allowed& allowed, FileUnit unit) {
+  std::string name;
+  return describe(inUnit(allowed, unit, name));
 }
 
 // A thousandth of the decimal number `text` (which is `value`), rounded once: value / 1000 is rounded twice, and 3.4 mm must be the same
@@ -99,22 +59,13 @@ double thousandth(std::string_view text, double value) {
   return result;
 }
 
-// "pitch[_mm]" -> {"pitch", "_mm", ""}, "randomization(randomisation)" -> {"randomization", "", "randomisation"}
-struct KeyForms {
-  std::string_view name;
-  std::string_view suffix;
-  std::string_view former;
-};
-
-KeyForms formsOf(std::string_view key) {
-  const std::size_t bracket = key.find_first_of("[(");
-  if (bracket == std::string_view::npos) return {key, {}, {}};
-  const std::string_view inside = key.substr(bracket + 1, key.size() - bracket - 2);
-  if (key[bracket] == '[') return {key.substr(0, bracket), inside, {}};
-  return {key.substr(0, bracket), {}, inside};
-}
-
 }  // namespace
+
+std::string YamlNode::below(const std::string& path, std::string_view key) {
+  std::string result = path;
+  if (!path.empty()) result += '.';
+  return result.append(key);
+}
 
 std::string YamlNode::withPlace(const std::string& message) const {
   const std::string position = *file_ + ":" + std::to_string(line_) + ":" + std::to_string(column_) + ": ";
@@ -199,8 +150,8 @@ double YamlNode::number(const Allowed& allowed) const {
   if (value < min || value > max || (allowed.above_min && value == min) || (allowed.below_max && value == max)) {
     refuse(describe(allowed, unit_));
   }
-  if (unit_ == Unit::kMilli) value = thousandth(text, value);
-  if (unit_ == Unit::kDegree) value = value * std::numbers::pi / 180;
+  if (unit_ == FileUnit::kMilli) value = thousandth(text, value);
+  if (unit_ == FileUnit::kDegree) value = value * std::numbers::pi / 180;
   return std::clamp(value, allowed.min, allowed.max) + 0.0;  // + 0.0 turns -0 into 0
 }
 
@@ -230,165 +181,9 @@ std::string YamlNode::text(const std::string& what) const {
   return tree_->text;
 }
 
-std::string YamlNode::choice(std::initializer_list<std::string_view> words) const {
-  std::string allowed;
-  for (const std::string_view word : words) {
-    if (isScalar() && tree_->text == word) return std::string(word);
-    allowed += (allowed.empty() ? "" : " | ") + std::string(word);
-  }
-  refuse(allowed);
-}
-
-YamlMap::YamlMap(const YamlNode& node, Keys allowed, Canonical& canonical, bool closes)
-    : node_(node), allowed_(std::move(allowed)), canonical_(&canonical), closes_(closes) {
-  checkKeys();
-}
-
-YamlMap::YamlMap(const YamlNode& node, Keys allowed, Canonical& canonical) : YamlMap(node, std::move(allowed), canonical, false) {}
-
-YamlMap::YamlMap(const YamlMap& parent, std::string_view key, Keys allowed)
-    : YamlMap(blockOf(parent, key), std::move(allowed), parent.canonical(), true) {
-  canonical_->open(key);
-}
-
-YamlMap::YamlMap(const YamlMap& map, Canonical& canonical) : node_(map.node_), allowed_(map.allowed_), canonical_(&canonical) {}
-
-YamlMap YamlMap::item(const YamlNode& node, Keys allowed, Canonical& canonical) {
-  canonical.openItem();
-  return YamlMap(node, std::move(allowed), canonical, true);
-}
-
-YamlMap::~YamlMap() {
-  if (closes_) canonical_->close();
-}
-
-YamlNode YamlMap::blockOf(const YamlMap& parent, std::string_view key) {
-  if (std::optional<YamlNode> given = parent.find(key)) return *given;
-  YamlNode block = parent.node_;
-  block.tree_ = &emptyMap();
-  block.path_ = below(block.path_, key);
-  return block;
-}
-
-void YamlMap::checkKeys() const {
-  std::string list;
-  for (auto key = allowed_.begin(); key != allowed_.end(); ++key) {
-    if (std::find(allowed_.begin(), key, *key) == key) list += (list.empty() ? "" : ", ") + std::string(key->substr(0, key->find('(')));
-  }
-  if (!node_.isMap()) node_.refuse("a mapping of " + (list.empty() ? "nothing: {}" : list));
-  for (const YamlTree::Key& key : node_.tree_->keys) {
-    bool known = false;
-    std::string nearest;
-    std::size_t nearest_distance = 1 + key.text.size() / 4;  // more distant words are no typing errors
-    for (const std::string_view allowed : allowed_) {
-      const auto [name, suffix, former] = formsOf(allowed);
-      known = known || (!former.empty() && key.text == former);
-      for (const std::string& form : {std::string(name), std::string(name) + std::string(suffix)}) {
-        known = known || key.text == form;
-        // Long keys are not compared: the table of distances would be as long.
-        if (key.text.size() > 2 * kMaxShown) continue;
-        const std::size_t distance = editDistance(key.text, form);
-        if (distance <= nearest_distance && (nearest.empty() || distance < nearest_distance)) {
-          nearest = form;
-          nearest_distance = distance;
-        }
-      }
-    }
-    for (const std::string_view allowed : allowed_) {
-      const auto [name, suffix, former] = formsOf(allowed);
-      if (!former.empty() && key.text == former) {
-        logWarning(oneLine(*node_.file_) + ":" + std::to_string(key.line) + ":" + std::to_string(key.column) + ": '" + key.text +
-                   "' is the former spelling of '" + std::string(name) + "'");
-      }
-    }
-    if (known) continue;
-    YamlNode place = node_;
-    place.line_ = key.line;
-    place.column_ = key.column;
-    place.path_ = below(place.path_, std::string_view(key.text).substr(0, kMaxShown));
-    place.fail("unknown key" + (nearest.empty() ? "" : ", did you mean '" + nearest + "'?") +
-               (list.empty() ? "; no key is allowed here" : "; allowed: " + list));
-  }
-}
-
-std::optional<YamlNode> YamlMap::find(std::string_view key) const {
-  key = formsOf(key).name;
-  std::string_view suffix, former;
-  for (const std::string_view allowed : allowed_) {
-    if (formsOf(allowed).name != key) continue;
-    suffix = formsOf(allowed).suffix;
-    former = formsOf(allowed).former;
-  }
-  std::optional<YamlNode> found = node_.child(key);
-  if (!former.empty()) {
-    if (const std::optional<YamlNode> old = node_.child(former)) {
-      if (found) old->fail("given twice, as " + std::string(key) + " and " + std::string(former));
-      return old;
-    }
-  }
-  if (suffix.empty()) return found;
-  const std::string suffixed = std::string(key) + std::string(suffix);
-  if (std::optional<YamlNode> other = node_.child(suffixed)) {
-    if (found) other->fail("given twice, as " + std::string(key) + " and " + suffixed);
-    found = other;
-    found->unit_ = suffix == "_mm" ? YamlNode::Unit::kMilli : YamlNode::Unit::kDegree;
-  }
-  return found;
-}
-
-void YamlMap::rejectBoth(std::string_view key, std::string_view other, std::string_view remedy) const {
-  const std::optional<YamlNode> value = find(key);
-  if (value && has(other)) value->fail("conflicts with `" + std::string(other) + "`: " + std::string(remedy));
-}
-
-void YamlMap::fail(std::string_view key, const std::string& what) const {
-  std::string form(key);
-  for (const std::string_view allowed : allowed_) {
-    if (formsOf(allowed).name == key) form = allowed;
-  }
-  node_.fail(form + " is missing: " + what);
-}
-
-YamlNode YamlMap::require(std::string_view key, const std::string& what) const {
-  std::optional<YamlNode> value = find(key);
-  if (!value) fail(key, what);
-  return *value;
-}
-
-double YamlMap::number(std::string_view key, const Allowed& allowed, std::optional<double> otherwise) const {
-  const std::optional<YamlNode> value = find(key);
-  if (!value && !otherwise) fail(key, describe(allowed, YamlNode::Unit::kSi));
-  const double result = value ? value->number(allowed) : *otherwise;
-  canonical_->line(key, canonicalNumber(result));
-  return result;
-}
-
-std::uint64_t YamlMap::integer(std::string_view key, std::uint64_t min, std::uint64_t max, std::optional<std::uint64_t> otherwise) const {
-  const std::optional<YamlNode> value = find(key);
-  if (!value && !otherwise) fail(key, "a whole number from " + std::to_string(min) + " to " + std::to_string(max));
-  const std::uint64_t result = value ? value->integer(min, max) : *otherwise;
-  canonical_->line(key, std::to_string(result));
-  return result;
-}
-
-std::string YamlMap::text(std::string_view key, const std::string& what, std::optional<std::string> otherwise) const {
-  const std::optional<YamlNode> value = find(key);
-  if (!value && !otherwise) fail(key, what);
-  std::string result = value ? value->text(what) : *otherwise;
-  canonical_->line(key, canonicalText(result));
-  return result;
-}
-
-std::string YamlMap::choice(std::string_view key, std::initializer_list<std::string_view> words, std::string_view otherwise) const {
-  const std::optional<YamlNode> value = find(key);
-  if (!value && otherwise.empty()) {
-    std::string list;
-    for (const std::string_view word : words) list += (list.empty() ? "" : " | ") + std::string(word);
-    fail(key, list);
-  }
-  std::string result = value ? value->choice(words) : std::string(otherwise);
-  canonical_->line(key, canonicalText(result));
-  return result;
+std::string YamlNode::choice(std::span<const std::string_view> words) const {
+  if (!isScalar() || std::find(words.begin(), words.end(), tree_->text) == words.end()) refuse(listOf(words));
+  return tree_->text;
 }
 
 }  // namespace taxelsim

@@ -1,5 +1,6 @@
-// Strict reading of YAML files. A YamlMap has the list of keys that a block may have. Each getter checks one value, or takes its default,
-// and writes it to the canonical text, so that no setting is missing there. Every message is one line:
+// Strict reading of YAML files. A YamlMap has the keys that a block may have, from a table of keys (scene/keys/block.h) or a list. Each
+// getter checks one value, or takes its default, and writes it to the canonical text, so that no setting is missing there. Every message is
+// one line:
 //   scenes/x.yaml:12:5: randomization.load: -1 is not allowed: a number from 0 to 1e+06 N
 // Numbers larger than 1e30, or nonzero and smaller than 1e-30, are refused: the device computes in float32.
 //
@@ -23,6 +24,8 @@
 #include "base/field.h"
 #include "base/yaml_parse.h"
 #include "scene/canonical.h"
+#include "scene/file_unit.h"
+#include "scene/keys/block.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim {
@@ -30,8 +33,6 @@ namespace taxelsim {
 // One value of a file: its position, its path of keys, the unit of its numbers. Refers to a tree and a name that must outlive it.
 class YamlNode {
  public:
-  enum class Unit { kSi, kMilli, kDegree };
-
   YamlNode(const YamlTree& tree, const std::string& file) : tree_(&tree), file_(&file), line_(tree.line), column_(tree.column) {}
 
   // Throws Error(kInput) with this node's position and path.
@@ -57,11 +58,12 @@ class YamlNode {
   std::vector<double> numbers(const Allowed& allowed, std::size_t count) const;
   std::uint64_t integer(std::uint64_t min, std::uint64_t max) const;
   std::string text(const std::string& what) const;  // one line, 1 to 200 bytes
-  std::string choice(std::initializer_list<std::string_view> words) const;
+  std::string choice(std::span<const std::string_view> words) const;
 
  private:
   friend class YamlMap;
 
+  static std::string below(const std::string& path, std::string_view key);  // "randomization", "load": "randomization.load"
   std::string withPlace(const std::string& message) const;
 
   const YamlTree* tree_;
@@ -69,7 +71,7 @@ class YamlNode {
   std::string path_;
   int line_;
   int column_;
-  Unit unit_ = Unit::kSi;
+  FileUnit unit_ = FileUnit::kSi;
 };
 
 class YamlMap {
@@ -78,12 +80,18 @@ class YamlMap {
 
   // The mapping `node` itself; throws if it is not a mapping or has a key that is not allowed.
   YamlMap(const YamlNode& node, Keys allowed, Canonical& canonical);
+  // `without`: a key of the block that this file must not have.
+  YamlMap(const YamlNode& node, const Block& block, Canonical& canonical, std::string_view without = "");
   // The block `key` of `parent`, empty if missing. Its values are below `key` in the canonical text.
   YamlMap(const YamlMap& parent, std::string_view key, Keys allowed);
+  YamlMap(const YamlMap& parent, std::string_view key, const Block& block);
+  // The same of a mapping that the block of `parent` has.
+  YamlMap(const YamlMap& parent, std::string_view key);
   // The same mapping as `map`, with another canonical text.
   YamlMap(const YamlMap& map, Canonical& canonical);
   // An item of the list that was opened in `canonical`.
   static YamlMap item(const YamlNode& node, Keys allowed, Canonical& canonical);
+  static YamlMap item(const YamlNode& node, const Block& block, Canonical& canonical);
   ~YamlMap();
   YamlMap(const YamlMap&) = delete;
   YamlMap& operator=(const YamlMap&) = delete;
@@ -94,6 +102,8 @@ class YamlMap {
   // The value of a key, without writing it. `require` throws if it is missing: "key is missing: what".
   std::optional<YamlNode> find(std::string_view key) const;
   YamlNode require(std::string_view key, const std::string& what) const;
+  YamlNode require(std::string_view key) const;    // what: whatOf(key)
+  std::string whatOf(std::string_view key) const;  // what the value of a key of the block may be
   bool has(std::string_view key) const { return find(key).has_value(); }
   // Throws at `key` if the mapping has both keys: "conflicts with `other`: remedy".
   void rejectBoth(std::string_view key, std::string_view other, std::string_view remedy = "give only one of them") const;
@@ -103,6 +113,18 @@ class YamlMap {
   std::uint64_t integer(std::string_view key, std::uint64_t min, std::uint64_t max, std::optional<std::uint64_t> otherwise = {}) const;
   std::string text(std::string_view key, const std::string& what, std::optional<std::string> otherwise = {}) const;
   std::string choice(std::string_view key, std::initializer_list<std::string_view> words, std::string_view otherwise = {}) const;
+
+  // The same of a key of the block, which says what is allowed and the default.
+  double number(std::string_view key) const;
+  std::string text(std::string_view key) const;
+  std::size_t wordOf(std::string_view key) const;  // place among the words
+  template <typename Enum>
+  Enum choice(std::string_view key) const {
+    return static_cast<Enum>(wordOf(key));
+  }
+  std::vector<YamlNode> items(std::string_view key) const;  // of a list that must be there and have one or more
+  // The one of block.one_of that the mapping has. Throws if it has none or several of them.
+  std::string_view onlyOne() const;
 
   template <std::size_t N>
   std::array<double, N> numbers(std::string_view key, const Allowed& allowed, std::optional<std::array<double, N>> otherwise = {}) const {
@@ -120,13 +142,15 @@ class YamlMap {
   }
 
  private:
-  YamlMap(const YamlNode& node, Keys allowed, Canonical& canonical, bool closes);
+  YamlMap(const YamlNode& node, Keys allowed, const Block* block, Canonical& canonical, bool closes);
+  const Key& keyOf(std::string_view key) const;  // of the block
   static YamlNode blockOf(const YamlMap& parent, std::string_view key);
   void checkKeys() const;
   [[noreturn]] void fail(std::string_view key, const std::string& what) const;  // missing
 
   YamlNode node_;
   std::vector<std::string_view> allowed_;
+  const Block* block_ = nullptr;
   Canonical* canonical_;
   bool closes_ = false;
 };

@@ -154,13 +154,8 @@ void checkThreeAxis(const Sensor& sensor) {
       checkNumber(elementOf(row, b), axes.gain[a][b], Allowed::within(-kMaxAxisGain, kMaxAxisGain, "counts/N"));
     }
     if (axes.gain[a] == Vector3{0, 0, 0}) failField(row, "a row of 0", "one value that is not 0, counts/N");
-    checkNumber(elementOf(field + ".noise", a), axes.noise[a], Allowed::within(0, kMaxAxisCounts, "counts"));
-    checkNumber(elementOf(field + ".hysteresis_strength", a), axes.hysteresis_strength[a], kAxisHysteresis);
-    checkNumber(elementOf(field + ".hysteresis_width", a), axes.hysteresis_width[a], Allowed::atLeast(0, "N"));
   }
-  if (axes.saturation < 1 || axes.saturation > kMaxAxisCounts) {
-    failField(field + ".saturation", std::to_string(axes.saturation), describeWhole(Allowed::within(1, kMaxAxisCounts, "")));
-  }
+  checkFields(field + ".", kThreeAxisFields, axes);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@ inline constexpr std::array kSensorFields{
     Field<Sensor>{"samples_per_taxel", &Sensor::samples_per_taxel, Allowed::within(1, kMaxSamplesPerTaxel, ""), kOptional,
                   "Samples per side of a taxel"},
 };
+inline constexpr std::array<std::string_view, 2> kDepthSamplingNames{"point", "area"};  // in the order of DepthSampling
 inline constexpr std::array kFrameRateFields{
     Field<Sensor>{"frame_rate", &Sensor::frame_rate, Allowed::atLeast(0, "Hz"), kOptional,
                   "Frames that the electronics report, 0 for one at every step"},
@@ -29,6 +30,12 @@ inline constexpr std::array kSkinFields{
 inline constexpr std::array kMarginFields{
     Field<Skin>{"margin[_mm]", &Skin::margin, Allowed::within(0, 1, "m"), kOptional,
                 "Skin beyond the taxels, 0 unless the law is ElasticLayer"},
+};
+inline constexpr std::array kFrictionFields{
+    Field<Friction>{"friction_coefficient", &Friction::friction_coefficient, Allowed::within(0, kMaxFrictionCoefficient, ""), kOptional,
+                    "Share of the pressure at which the tangential springs slip; 0 for a skin without shear"},
+    Field<Friction>{"tangential_stiffness", &Friction::tangential_stiffness, Allowed::above(0, "N/m^3"), kRequired,
+                    "Stiffness of the tangential springs; G / thickness of a bonded layer with the shear modulus G"},
 };
 inline constexpr std::array kRelaxationFields{
     Field<RelaxationTerm>{"fraction", &RelaxationTerm::fraction, Allowed::within(0, 1, "of the stiffness"), kRequired,
@@ -63,6 +70,7 @@ inline constexpr std::array kElasticLayerFields{
     Field<ElasticLayer>{"elastic_modulus", &ElasticLayer::elastic_modulus, Allowed::above(0, "Pa"), kRequired, "Young's modulus"},
     Field<ElasticLayer>{"poisson_ratio", &ElasticLayer::poisson_ratio, Allowed::within(0, 0.5, ""), kRequired, "Poisson's ratio"},
 };
+inline constexpr std::array<std::string_view, 2> kBaseNames{"half_space", "bonded"};  // in the order of ElasticLayer::Base
 inline constexpr std::array kLayerSolverFields{
     Field<ElasticLayer>{"iterations", &ElasticLayer::iterations, Allowed::within(1, kMaxLayerIterations, ""), kOptional,
                         "Most iterations of the solver in a frame"},
@@ -115,6 +123,18 @@ void visitFields(const LuGre&, Visit visit) {
   visit(kLuGreFields);
 }
 
+inline constexpr std::array kSkinGaussianFields{
+    Field<Psf>{"sigma[_mm]", &Psf::sigma, Allowed::above(0, "m"), kRequired, "Width of the Gaussian of the distance along the skin"},
+    Field<Psf>{"reach[_mm]", &Psf::reach, Allowed::above(0, "m"), kOptional, "Distance up to which a taxel spreads its force"},
+};
+inline constexpr std::array<std::string_view, 2> kNormalizationNames{"per_source", "none"};  // in the order of Psf::Normalization
+
+inline constexpr std::array kCurveLimitFields{
+    Field<Readout>{
+        "limit", &Readout::curve_limit, Allowed::atLeast(0, "counts"), kOptional,
+        "Asymptote of the output: y becomes y / (1 + y / limit), as for a resistive taxel in a voltage divider; 0 for none, else "
+        "above saturation / output_scale"},
+};
 inline constexpr std::array kOutputFields{
     Field<Readout>{"output_scale", &Readout::output_scale, Allowed::above(0, ""), kOptional, "Factor on the counts"},
     Field<Readout>{"trigger", &Readout::trigger, Allowed::any("N"), kOptional, "Smallest visible force"},
@@ -126,7 +146,18 @@ inline constexpr std::array kNoiseFields{
 };
 // Of each axis of ThreeAxisReadout.
 inline constexpr double kMaxAxisGain = 1e12;
-inline constexpr Allowed kAxisHysteresis{.min = 0, .max = 1, .below_max = true};
+inline constexpr std::array kThreeAxisFields{
+    Field<ThreeAxisReadout>{"noise", &ThreeAxisReadout::noise, Allowed::within(0, kMaxAxisCounts, "counts"), kOptional,
+                            "Standard deviation of each output"},
+    Field<ThreeAxisReadout>{"hysteresis_strength",
+                            &ThreeAxisReadout::hysteresis_strength,
+                            {.min = 0, .max = 1, .below_max = true},
+                            kOptional,
+                            "Of each axis of force, (1 - w) x + w play_r(x), before the matrix: the strength w"},
+    Field<ThreeAxisReadout>{"hysteresis_width", &ThreeAxisReadout::hysteresis_width, Allowed::atLeast(0, "N"), kOptional, "The width r"},
+    Field<ThreeAxisReadout>{"saturation", &ThreeAxisReadout::saturation, Allowed::within(1, kMaxAxisCounts, ""), kOptional,
+                            "Outputs are -saturation to saturation"},
+};
 inline constexpr std::array kCreepFields{
     Field<CreepTerm>{"fraction", &CreepTerm::fraction, Allowed::within(0, kMaxCreepFraction, "of the force"), kRequired,
                      "Share of the force that creeps"},

@@ -90,7 +90,8 @@ TEST(MotionFile, RejectsBadBlocks) {
   directory.write("bad.csv", "1,2\n");
   const std::vector<std::pair<std::string, std::string>> table = {
       {"{}", ":17:13: objects[0].motion: exactly one of constant_twist | sinusoid | waypoints | hand_held"},
-      {"{hand_held: {}, constant_twist: {}}", ":17:13: objects[0].motion: exactly one of constant_twist"},
+      {"{hand_held: {}, constant_twist: {}}",
+       ":17:25: objects[0].motion.hand_held: conflicts with `constant_twist`: exactly one of constant_twist"},
       {"fast", ":17:13: objects[0].motion: fast is not allowed: a mapping of constant_twist, sinusoid, waypoints, hand_held"},
       {"{constant_twist: {linear_velocity: [1, .nan, 0]}}",
        ":17:52: objects[0].motion.constant_twist.linear_velocity[1]: .nan is not allowed: a number m/s"},
@@ -106,7 +107,7 @@ TEST(MotionFile, RejectsBadBlocks) {
       {"{waypoints: {file: none.csv}}", ":17:32: objects[0].motion.waypoints.file: "},
       {"{waypoints: {file: bad.csv}}", ":17:32: objects[0].motion.waypoints.file: "},
       {"{waypoints: {file: way.csv, interpolation: square}}",
-       ":17:56: objects[0].motion.waypoints.interpolation: square is not allowed: cubic | linear"},
+       ":17:56: objects[0].motion.waypoints.interpolation: square is not allowed: linear | cubic"},
       {"{waypoints: {file: way.csv, sha256: '00'}}", ":17:49: objects[0].motion.waypoints.sha256: not the SHA-256 of"},
       {"{hand_held: {tremor: -1}}", ":17:34: objects[0].motion.hand_held.tremor: -1 is not allowed: a number >= 0 m"},
       {"{hand_held: {tremor_band: [12, 8]}}",

@@ -159,7 +159,7 @@ TEST_F(RobotFile, ResolvedSceneHasEverySetting) {
 TEST_F(RobotFile, RejectsBadBlocks) {
   const std::vector<std::pair<std::string, std::string>> table = {
       {"{}", ":14:8: robot: exactly one of free_flying | pan_tilt | urdf"},
-      {"{free_flying: {}, pan_tilt: {}}", ":14:8: robot: exactly one of free_flying"},
+      {"{free_flying: {}, pan_tilt: {}}", ":14:36: robot.pan_tilt: conflicts with `free_flying`: exactly one of free_flying"},
       {"[]", ":14:8: robot: a list of 0 is not allowed: a robot file, or a robot's own settings"},
       {"none.yaml", ":14:8: robot: "},
       {"{walking: {}}", ":14:9: robot.walking: unknown key; allowed: free_flying, pan_tilt, urdf"},

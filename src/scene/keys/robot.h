@@ -1,0 +1,17 @@
+// The keys of robots (scene/keys/block.h).
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "scene/keys/block.h"
+
+namespace taxelsim {
+
+// Components of a twist, as in Manipulator::selection.
+inline constexpr std::array<std::string_view, 6> kCoordinateNames{"vx", "vy", "vz", "wx", "wy", "wz"};
+
+const Block& robotKeys();  // also of a robot in place, but for format_version
+const Block& mountKeys();
+
+}  // namespace taxelsim
