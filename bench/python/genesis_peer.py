@@ -199,7 +199,7 @@ def names(allowed: Iterable[str]) -> Callable[[str], list[str]]:
     def parse(text: str) -> list[str]:
         words = text.split(",")
         if not set(words) <= set(allowed):
-            raise argparse.ArgumentTypeError(f"{text} found; {', '.join(allowed)} allowed")
+            raise argparse.ArgumentTypeError(f"{text} is not allowed: {', '.join(allowed)}")
         return words
 
     return parse

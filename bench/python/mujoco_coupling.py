@@ -123,7 +123,7 @@ def main() -> None:
     parser.add_argument("--json", type=Path, help="file of results to write")
     options = parser.parse_args()
     if not set(options.sensors.split(",")) <= set(SENSORS):
-        parser.error(f"--sensors: {options.sensors} found; {', '.join(SENSORS)} allowed")
+        parser.error(f"--sensors: {options.sensors} is not allowed: {', '.join(SENSORS)}")
     results: dict[str, Any] = {
         **machine(taxelsim.Device.open()),
         "mujoco": mujoco.__version__,

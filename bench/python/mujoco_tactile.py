@@ -160,7 +160,7 @@ def main() -> None:
     options = parser.parse_args()
     cases = options.cases.split(",")
     if not set(cases) <= {"cylinder", "sphere"}:
-        parser.error(f"--cases: {options.cases} found; cylinder, sphere allowed")
+        parser.error(f"--cases: {options.cases} is not allowed: cylinder, sphere")
     results: dict[str, Any] = {**machine(taxelsim.Device.open()), "num_envs": options.envs, "num_poses": NUM_POSES}
     print(f"{results['device']}, {results['driver']}; {options.envs} environments; last columns: taxelsim over this, peak memory")
     with tempfile.TemporaryDirectory() as name:

@@ -180,7 +180,7 @@ def main() -> None:
     parts = options.parts.split(",")
     unknown = set(parts) - {"simulator", "environment", "startup"}
     if unknown:
-        parser.error(f"--parts: {', '.join(sorted(unknown))} found; simulator, environment, startup allowed")
+        parser.error(f"--parts: {', '.join(sorted(unknown))} is not allowed: simulator, environment, startup")
     if "simulator" in parts and not options.simulator_rate.exists():
         parser.error(f"{options.simulator_rate} is missing: cmake --build --preset bench, or name it by --simulator-rate")
     device = taxelsim.Device.open()

@@ -89,7 +89,7 @@ Raises InputError for another shape or dtype, NaN, an index out of range, or no 
       "load_mesh",
       [](const std::filesystem::path& file, std::optional<double> scale, std::optional<double> size, const Argument<UpAxis>& up_axis,
          double max_depth_error) {
-        if (scale && size) throw Error(ErrorKind::kInput, "load_mesh(): scale and size found, one of them allowed");
+        if (scale && size) throw Error(ErrorKind::kInput, "load_mesh(): scale and size are not allowed: one of them");
         const MeshOptions options{.scale = scale.value_or(1), .size = size, .up_axis = up_axis.value, .max_depth_error = max_depth_error};
         return loadInterruptibly([&] { return loadMesh(file, options); });
       },

@@ -1,4 +1,4 @@
-"""Checks of arguments. Every error says which value was found, what is allowed, and which environment it belongs to."""
+"""Checks of arguments. Every error says which value is not allowed, what is, and which environment it belongs to."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from .errors import InputError
 def checked_count(name: str, value: int) -> int:
     """`value` if it is an integer >= 1, else InputError."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer):
-        raise InputError(f"{name}: integer expected, {type(value).__name__} found")
+        raise InputError(f"{name}: {type(value).__name__} is not allowed: an integer")
     if value < 1:
-        raise InputError(f"{name}: {value} found, at least 1 allowed")
+        raise InputError(f"{name}: {value} is not allowed: at least 1")
     return int(value)
 
 
@@ -27,7 +27,7 @@ def checked_names(name: str, values: str | Sequence[str], allowed: Sequence[str]
         raise InputError(f"{name}: empty; allowed are {', '.join(allowed)}")
     for i, value in enumerate(names):
         if value not in allowed:
-            raise InputError(f"{name}: {value!r} found, allowed are {', '.join(allowed)}")
+            raise InputError(f"{name}: {value!r} is not allowed: {', '.join(allowed)}")
         if value in names[:i]:
             raise InputError(f"{name}: {value!r} found twice")
     return names
@@ -36,7 +36,7 @@ def checked_names(name: str, values: str | Sequence[str], allowed: Sequence[str]
 def checked_positive(name: str, value: float) -> float:
     """`value` if it is a finite number above 0, else InputError."""
     if not (np.isfinite(value) and value > 0):
-        raise InputError(f"{name}: {value} found, a finite number above 0 allowed")
+        raise InputError(f"{name}: {value} is not allowed: a finite number above 0")
     return float(value)
 
 
@@ -49,10 +49,10 @@ def checked_actions(
     """
     array = np.asarray(actions)
     if not np.issubdtype(array.dtype, np.floating):
-        raise InputError(f"actions: floating-point numbers expected, dtype {array.dtype} found")
+        raise InputError(f"actions: dtype {array.dtype} is not allowed: floating-point numbers")
     if array.shape != shape:
         hint = "; did you mean the transposed array?" if array.shape == shape[::-1] else ""
-        raise InputError(f"actions: shape {shape} expected, {array.shape} found{hint}")
+        raise InputError(f"actions: shape {array.shape} is not allowed: {shape}{hint}")
     finite = np.isfinite(array)
     if not finite.all():
         index = tuple(int(k) for k in np.argwhere(~finite)[0])
@@ -66,14 +66,14 @@ def checked_mask(options: dict[str, Any] | None, num_envs: int) -> NDArray[np.bo
     options = dict(options or {})
     mask = options.pop("reset_mask", None)
     if options:
-        raise InputError(f"options: {next(iter(options))!r} found, only 'reset_mask' allowed")
+        raise InputError(f"options: {next(iter(options))!r} is not allowed: only 'reset_mask'")
     if mask is None:
         return np.ones(num_envs, np.bool_)
     if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
         found = mask.dtype if isinstance(mask, np.ndarray) else type(mask).__name__
-        raise InputError(f"options['reset_mask']: NumPy array of bool expected, {found} found")
+        raise InputError(f"options['reset_mask']: {found} is not allowed: a NumPy array of bool")
     if mask.shape != (num_envs,):
-        raise InputError(f"options['reset_mask']: shape {(num_envs,)} expected, {mask.shape} found")
+        raise InputError(f"options['reset_mask']: shape {mask.shape} is not allowed: {(num_envs,)}")
     if not mask.any():
         raise InputError("options['reset_mask']: at least one environment must be True")
     return np.array(mask, np.bool_)
@@ -85,10 +85,10 @@ def checked_seeds(seed: Any, num_envs: int) -> NDArray[np.uint64] | None:
         return None
     seeds = list(seed) if isinstance(seed, Sequence | np.ndarray) else [seed] * num_envs
     if len(seeds) != num_envs:
-        raise InputError(f"seed: {num_envs} seeds expected, {len(seeds)} found")
+        raise InputError(f"seed: {len(seeds)} seeds are not allowed: {num_envs}")
     for i, value in enumerate(seeds):
         if isinstance(value, bool) or not isinstance(value, int | np.integer):
-            raise InputError(f"seed: integer expected, {type(value).__name__} found for environment {i}")
+            raise InputError(f"seed: {type(value).__name__} is not allowed for environment {i}: an integer")
         if not 0 <= value < 2**64:
-            raise InputError(f"seed: {value} found for environment {i}, 0 to 2^64 - 1 allowed")
+            raise InputError(f"seed: {value} is not allowed for environment {i}: 0 to 2^64 - 1")
     return np.array([int(value) for value in seeds], np.uint64)

@@ -83,11 +83,11 @@ def to_array(
     if found.dtype.kind not in kinds and not (found.size == 0 and found.dtype.kind == "f"):
         wanted = {"i": "integers", "u": "integers", "b": "booleans", "f": "real numbers"}[target.kind]
         advice = "; did you mean array.astype(int)?" if target.kind in "iu" and found.dtype.kind == "f" else ""
-        raise InputError(f"{name}: dtype {found.dtype} found, {wanted} expected{advice}")
+        raise InputError(f"{name}: dtype {found.dtype} is not allowed: {wanted}{advice}")
     if not any(_fits(found.shape, shape) for shape in shapes):
         expected = " or ".join(shape_text(shape) for shape in shapes)
         advice = next(filter(None, (_suggestion(found.shape, shape) for shape in shapes)), "")
-        raise InputError(f"{name}: shape {_text(found.shape)} found, {expected} expected{advice}")
+        raise InputError(f"{name}: shape {_text(found.shape)} is not allowed: {expected}{advice}")
     if found.dtype.kind == "f":
         is_finite = np.isfinite(found)
         if not is_finite.all():

@@ -49,7 +49,7 @@ def set_log_level(level: str) -> None:
     Messages go to the logger "taxelsim" of Python's logging. Where the program has configured no handler, they are lines on stderr.
     """
     if level not in tuple(LEVELS):
-        raise InputError(f"level: {level!r} found, allowed are {', '.join(LEVELS)}")
+        raise InputError(f"level: {level!r} is not allowed: {', '.join(LEVELS)}")
     logger.setLevel(LEVELS[level])
     if not logger.hasHandlers():
         logger.addHandler(stderr_handler())

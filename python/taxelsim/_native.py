@@ -108,12 +108,12 @@ def _problem(signature: inspect.Signature, args: tuple[Any, ...], kwargs: Mappin
     for name in kwargs:
         if name not in parameters:
             near = difflib.get_close_matches(name, parameters, n=1)
-            return -1, f"unknown argument {name} found, " + (f"did you mean {near[0]}?" if near else f"{names} allowed")
+            return -1, f"unknown argument {name}: " + (f"did you mean {near[0]}?" if near else names)
     try:
         bound = signature.bind(*args, **kwargs).arguments
     except TypeError as error:
         is_position = str(error) == "too many positional arguments"
-        return -1, f"too many arguments without a name found, allowed are {names}" if is_position else str(error)
+        return -1, f"too many arguments without a name: {names}" if is_position else str(error)
     bound.pop("self", None)
     for number, (name, value) in enumerate(bound.items()):
         if wrong := _mismatch(value, ast.parse(parameters[name].annotation, mode="eval").body, name, core):
@@ -126,11 +126,11 @@ def _wrong_value(bound: Mapping[str, Any], parameters: Mapping[str, inspect.Para
     for name, value in bound.items():
         default = parameters[name].default
         if isinstance(default, list) and default and hasattr(value, "__len__") and len(value) != len(default):
-            return f"{name}: {len(value)} values found, {len(default)} allowed"
+            return f"{name}: {len(value)} values are not allowed: {len(default)}"
         if isinstance(value, int) and not 0 <= value < 2**31:
             return f"{name}: {value} found, which is out of range"
     found = ", ".join(f"{name} {_text(value)}" for name, value in bound.items())
-    return f"{found} found, {', '.join(f'{name} {parameters[name].annotation}' for name in bound)} allowed"
+    return f"{found} is not allowed: {', '.join(f'{name} {parameters[name].annotation}' for name in bound)}"
 
 
 def _mismatch(value: Any, annotation: ast.expr, name: str, core: ModuleType) -> str | None:
@@ -141,7 +141,7 @@ def _mismatch(value: Any, annotation: ast.expr, name: str, core: ModuleType) -> 
         if isinstance(native, type) and issubclass(native, enum.Enum):
             members = {each.lower() for each in native.__members__}
             fits = isinstance(value, native) or (isinstance(value, str) and value.lower() in members)
-            return None if fits else f"{name}: {_text(value)} found, {', '.join(sorted(members))} allowed"
+            return None if fits else f"{name}: {_text(value)} is not allowed: {', '.join(sorted(members))}"
     elements: str | None = None
     for option in options:
         inside = _wrong_element(value, option, name, core)
@@ -150,7 +150,7 @@ def _mismatch(value: Any, annotation: ast.expr, name: str, core: ModuleType) -> 
         elements = elements or inside
     allowed = " or ".join(filter(None, (", ".join(kinds[:-1]), kinds[-1])))
     source = next((f"; use {_SOURCES[kind]}" for kind in kinds if kind in _SOURCES), "")
-    return elements or f"{name}: {_text(value)} found, {allowed} allowed{source}"
+    return elements or f"{name}: {_text(value)} is not allowed: {allowed}{source}"
 
 
 def _options(annotation: ast.expr) -> list[ast.expr]:

@@ -38,7 +38,7 @@ def contact_points(instances: npt.ArrayLike, positions: npt.ArrayLike, forces: n
     pushes = to_array("forces", forces, np.float64, [[(len(rows), "C"), 3]], per_instance=False)
     outside = (rows < 0) | (rows >= len(poses))
     if outside.any():
-        raise InputError(f"instances: {rows[outside.argmax()]} of index {outside.argmax()} found, 0 to {len(poses) - 1} allowed")
+        raise InputError(f"instances: {rows[outside.argmax()]} of index {outside.argmax()} is not allowed: 0 to {len(poses) - 1}")
     lengths = np.linalg.norm(poses[:, 3:], axis=1)
     wrong = np.abs(lengths - 1) > 1e-3
     if wrong.any():

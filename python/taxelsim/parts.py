@@ -124,7 +124,7 @@ def evaluate_part(
     loaded = loaded_scene(scene)
     if episodes.step != 1 or not 0 <= episodes.start < episodes.stop <= loaded.num_episodes:
         raise InputError(
-            f"episodes: {episodes} found, a range of one number or more with step 1 within {range(loaded.num_episodes)} allowed"
+            f"episodes: {episodes} is not allowed: a range of one number or more with step 1 within {range(loaded.num_episodes)}"
         )
     argument = policy_argument(policy_calls(policy, loaded))
     limits = (episodes.start, episodes.stop)

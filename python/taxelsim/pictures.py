@@ -196,7 +196,7 @@ def png_of(picture: NDArray[np.uint8]) -> bytes:
     """A picture (height, width, 3) as the bytes of a PNG file."""
     picture = np.asarray(picture, np.uint8)
     if picture.ndim != 3 or picture.shape[2] != 3:
-        raise InputError(f"picture: shape (height, width, 3) expected, {picture.shape} found")
+        raise InputError(f"picture: shape {picture.shape} is not allowed: (height, width, 3)")
 
     def chunk(kind: bytes, data: bytes) -> bytes:
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))

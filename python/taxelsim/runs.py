@@ -82,7 +82,7 @@ def generate(
     if episodes is not None and not chosen:
         raise InputError("episodes: none found, at least 1 needed")
     if shards is not None and (shards.step != 1 or not 0 <= shards.start < shards.stop):
-        raise InputError(f"shards: {shards} found, a range of one number or more with step 1 allowed, from 0")
+        raise InputError(f"shards: {shards} is not allowed: a range of one number or more with step 1, from 0")
     limits = None if shards is None else (shards.start, shards.stop)
     argument = policy_argument(policy_calls(policy, loaded))
     opened = device or Device.open()

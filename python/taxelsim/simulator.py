@@ -135,7 +135,7 @@ class Simulator:
             pose_array = self._from_matrices(pose_array)
         id_array, pose_array = id_array.reshape(-1), pose_array.reshape(-1, 7)
         if isinstance(anchor, str) and anchor not in ("origin", "lowest"):
-            raise InputError(f"anchor: {anchor!r} found, 'origin', 'lowest' or a point (3,) allowed")
+            raise InputError(f"anchor: {anchor!r} is not allowed: 'origin', 'lowest' or a point (3,)")
         if not isinstance(anchor, str) or anchor == "lowest":
             point = None if isinstance(anchor, str) else to_array("anchor", anchor, np.float64, [[3]], per_instance=False).tolist()
             pose_array = pose_array.copy()
@@ -328,7 +328,7 @@ def split_patches(sensor: _core.Sensor, taxels: npt.NDArray[Any]) -> dict[str, n
     if len(patches) == 1:
         return {patches[0].name: taxels}
     if taxels.ndim < 2 or taxels.shape[1] != sensor.num_taxels:
-        raise InputError(f"taxels: shape {taxels.shape} found, (N, {sensor.num_taxels}, ...) expected")
+        raise InputError(f"taxels: shape {taxels.shape} is not allowed: (N, {sensor.num_taxels}, ...)")
     images = {}
     first = 0
     for patch in patches:

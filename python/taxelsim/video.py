@@ -42,10 +42,10 @@ class _Counted:
         shape: tuple[int, ...] = ()
         for picture in self.pictures:
             if picture.ndim != 3 or picture.shape[2] != 3 or picture.dtype != np.uint8:
-                raise InputError(f"picture {self.count}: (height, width, 3) of uint8 expected, {picture.shape} of {picture.dtype} found")
+                raise InputError(f"picture {self.count}: {picture.shape} of {picture.dtype} is not allowed: (height, width, 3) of uint8")
             shape = shape or picture.shape
             if picture.shape != shape:
-                raise InputError(f"picture {self.count}: shape {shape} of the first one expected, {picture.shape} found")
+                raise InputError(f"picture {self.count}: shape {picture.shape} is not allowed: {shape}, that of the first one")
             self.count += 1
             yield picture
         if self.count == 0:
@@ -132,6 +132,6 @@ def save_video(file: str | os.PathLike[str], pictures: Iterable[NDArray[Any]], r
     check_video(file)
     limit = _GIF_TICKS if file.suffix == ".gif" else _MP4_TICKS
     if not _MIN_RATE <= rate <= limit:
-        raise InputError(f"rate: {rate:g} pictures per second found, at least {_MIN_RATE} and at most {limit} allowed")
+        raise InputError(f"rate: {rate:g} pictures per second are not allowed: at least {_MIN_RATE} and at most {limit}")
     write_whole(file, (_gif_of if file.suffix == ".gif" else _mp4_of)(counted, rate))
     return counted.count

@@ -35,9 +35,9 @@ def test_no_points() -> None:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"instances": [0, 3]}, "instances: 3 of index 1 found, 0 to 2 allowed"),
-        ({"instances": [0.0, 1.0]}, "instances: dtype float64 found, integers expected"),
-        ({"positions": [[0, 0, 0]]}, "positions: shape .1, 3. found"),
+        ({"instances": [0, 3]}, "instances: 3 of index 1 is not allowed: 0 to 2"),
+        ({"instances": [0.0, 1.0]}, "instances: dtype float64 is not allowed: integers"),
+        ({"positions": [[0, 0, 0]]}, "positions: shape .1, 3. is not allowed"),
         ({"forces": [[0, 0, 0], [0, np.nan, 0]]}, "forces: .* is not finite"),
         ({"X_WS": [[0, 0, 0, 2, 0, 0, 0]], "instances": [0, 0]}, "quaternion of length 2 found in instance 0, 1 allowed"),
     ],

@@ -162,7 +162,7 @@ def test_newtons_on_request(model, device):
     np.testing.assert_array_equal(images[1], np.vectorize(lambda c: taxelsim.nominal_force(readout, c), otypes=[np.float32])(images[0]))
     assert pressed(newtons, 0.009).tactile_image is images[1]
     assert images[1].sum(axis=(1, 2)) == pytest.approx(newtons.read().total_force, rel=1e-5)
-    with pytest.raises(taxelsim.InputError, match=r"^image_unit: 'N' found, allowed are counts, newtons$"):
+    with pytest.raises(taxelsim.InputError, match=r"^image_unit: 'N' is not allowed: counts, newtons$"):
         taxelsim.Simulator(model, 1, image_unit="N")
 
 
@@ -306,7 +306,7 @@ def test_all_pictures_of_a_data_set_have_one_scale(pressed_set: taxelsim.Dataset
         assert list(limits) == [0, given or expected]
     for options, message in (
         ({"range": 1}, "range: needs video"),
-        ({"video": True, "range": 0}, "range: 0 found, a finite number above 0"),
+        ({"video": True, "range": 0}, "range: 0 is not allowed: a finite number above 0"),
     ):
         with pytest.raises(taxelsim.InputError, match=message):
             export(pressed_set.folder, tmp_path / "refused", "lerobot", Options(**options))
@@ -676,7 +676,7 @@ def test_the_lowest_point_of_a_mesh_is_placed_as_in_scenes(device, sensor, tmp_p
         if anchor == "lowest":
             assert frame.center_of_pressure[:, :2] == pytest.approx(np.zeros((4, 2)), abs=2e-3)  # half a taxel
     assert list(reached.values()) == [[False, False, True, True], [True] * 4, [True, True, False, False]]
-    with pytest.raises(taxelsim.InputError, match="anchor: 'middle' found, 'origin', 'lowest' or a point"):
+    with pytest.raises(taxelsim.InputError, match="anchor: 'middle' is not allowed: 'origin', 'lowest' or a point"):
         simulator.set_objects(0, poses, anchor="middle")
 
 
@@ -801,7 +801,7 @@ def test_log_level_and_stderr():
     assert lines[0].startswith(plain)
     assert lines[1].startswith(f"warning: {plain}")
     assert [line.count("\n") for line in lines] == [1, 1, 0]
-    with pytest.raises(taxelsim.InputError, match=r"^level: 'loud' found, allowed are debug, info, warning, error, off$"):
+    with pytest.raises(taxelsim.InputError, match=r"^level: 'loud' is not allowed: debug, info, warning, error, off$"):
         taxelsim.set_log_level("loud")
 
 
@@ -822,30 +822,30 @@ def test_names_files_and_single_numbers_are_taken(device, sensor, tmp_path):
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda t: t.Model(t.device, 3), "Model(): sensor: int 3 found, Sensor, str or PathLike allowed; use load_sensor()"),
-        (lambda t: t.Model(t.device, t.sensor, [t.Sphere(0.01), 3]), "Model(): objects[1]: int 3 found, Object, Mesh, Sphere, "),
-        (lambda t: t.Model(t.device, t.sensor, "cube.obj"), "Model(): objects: str 'cube.obj' found, Sequence[Object | Mesh | "),
-        (lambda t: t.Model("cpu", t.sensor), "Model(): device: str 'cpu' found, Device allowed; use Device.open()"),
-        (lambda t: t.generate(t.scene, "out", device="cpu"), "generate(): device: str 'cpu' found, Device allowed; use Device.open()"),
-        (lambda t: t.Simulator(t.sensor), "Simulator(): model: Sensor found, Model allowed"),
-        (lambda t: t.Simulator(t.model, 1.5), "SimulatorOptions(): num_instances: float 1.5 found, int allowed"),
+        (lambda t: t.Model(t.device, 3), "Model(): sensor: int 3 is not allowed: Sensor, str or PathLike; use load_sensor()"),
+        (lambda t: t.Model(t.device, t.sensor, [t.Sphere(0.01), 3]), "Model(): objects[1]: int 3 is not allowed: Object, Mesh, Sphere, "),
+        (lambda t: t.Model(t.device, t.sensor, "cube.obj"), "Model(): objects: str 'cube.obj' is not allowed: Sequence[Object | Mesh | "),
+        (lambda t: t.Model("cpu", t.sensor), "Model(): device: str 'cpu' is not allowed: Device; use Device.open()"),
+        (lambda t: t.generate(t.scene, "out", device="cpu"), "generate(): device: str 'cpu' is not allowed: Device; use Device.open()"),
+        (lambda t: t.Simulator(t.sensor), "Simulator(): model: Sensor is not allowed: Model"),
+        (lambda t: t.Simulator(t.model, 1.5), "SimulatorOptions(): num_instances: float 1.5 is not allowed: int"),
         (lambda t: t.Simulator(t.model, seed=-1), "SimulatorOptions(): seed: -1 found, which is out of range"),
-        (lambda t: t.simulator.step("0.01"), "Simulator.step(): dt: str '0.01' found, float allowed"),
-        (lambda t: t.Sphere("large"), "Sphere(): radius: str 'large' found, float allowed"),
-        (lambda t: t.Sphere(0.1, 0.2), "Sphere(): too many arguments without a name found, allowed are radius"),
-        (lambda t: t.Skin(0.002), "Skin(): too many arguments without a name found, allowed are thickness, law, "),
-        (lambda t: t.Box(size=(1, 2)), "Box(): size: 2 values found, 3 allowed"),
+        (lambda t: t.simulator.step("0.01"), "Simulator.step(): dt: str '0.01' is not allowed: float"),
+        (lambda t: t.Sphere("large"), "Sphere(): radius: str 'large' is not allowed: float"),
+        (lambda t: t.Sphere(0.1, 0.2), "Sphere(): too many arguments without a name: radius"),
+        (lambda t: t.Skin(0.002), "Skin(): too many arguments without a name: thickness, law, "),
+        (lambda t: t.Box(size=(1, 2)), "Box(): size: 2 values are not allowed: 3"),
         (lambda t: t.GridPatch(pitch=0.002, num_rows=2**40), "GridPatch(): num_rows: 1099511627776 found, which is out of range"),
-        (lambda t: t.Skin(thicknes=0.002), "Skin(): unknown argument thicknes found, did you mean thickness?"),
-        (lambda t: t.sensor.replace(skn=3), "Sensor(): unknown argument skn found, did you mean skin?"),
-        (lambda t: t.sensor.replace(depth_sampling="aera"), "Sensor(): depth_sampling: str 'aera' found, area, point allowed"),
-        (lambda t: t.sensor.replace(patches=[3]), "Sensor(): patches[0]: int 3 found, GridPatch allowed"),
-        (lambda t: t.sensor.replace(skin=None), "Sensor(): skin: None found, Skin allowed"),
+        (lambda t: t.Skin(thicknes=0.002), "Skin(): unknown argument thicknes: did you mean thickness?"),
+        (lambda t: t.sensor.replace(skn=3), "Sensor(): unknown argument skn: did you mean skin?"),
+        (lambda t: t.sensor.replace(depth_sampling="aera"), "Sensor(): depth_sampling: str 'aera' is not allowed: area, point"),
+        (lambda t: t.sensor.replace(patches=[3]), "Sensor(): patches[0]: int 3 is not allowed: GridPatch"),
+        (lambda t: t.sensor.replace(skin=None), "Sensor(): skin: None is not allowed: Skin"),
         (lambda t: t.Device("cpu"), "Device() is no constructor: use Device.open()"),
         (lambda t: t.Scene("x.yaml"), "Scene() is no constructor: use load_scene()"),
         (lambda t: t.load_mesh(), "load_mesh(): missing a required argument: 'file'"),
-        (lambda t: t.load_mesh(3), "load_mesh(): file: int 3 found, str or PathLike allowed"),
-        (lambda t: t.Mesh([[0, 1], [1, 0], [1, 1]], [[0, 1, 2]]), "vertices: shape (3, 2) found, (V, 3) expected; did you mean array.T?"),
+        (lambda t: t.load_mesh(3), "load_mesh(): file: int 3 is not allowed: str or PathLike"),
+        (lambda t: t.Mesh([[0, 1], [1, 0], [1, 1]], [[0, 1, 2]]), "vertices: shape (3, 2) is not allowed: (V, 3); did you mean array.T?"),
         (lambda t: t.simulator.read().taxel_counts, "Frame has no taxel_counts: wts0614_soft_cover has one-axis taxels"),
     ],
 )

@@ -238,7 +238,7 @@ def test_refused_input(tmp_path: Path, lines: list[str] | None, change: Callable
 
 def test_refuses_episodes_without_a_recording(device: taxelsim.Device, tmp_path: Path) -> None:
     scene = taxelsim.load_scene(written(tmp_path))
-    with pytest.raises(taxelsim.InputError, match=r"episodes: 5 found, 0 to 4 allowed, those of contacts\.csv"):
+    with pytest.raises(taxelsim.InputError, match=r"episodes: 5 is not allowed: 0 to 4, those of contacts\.csv"):
         taxelsim.generate(scene, tmp_path / "out", device=device, episodes=[1, 5])
     with pytest.raises(taxelsim.InputError, match="kind: contact_points found, an environment needs servo"):
         taxelsim.Environment(device, scene)

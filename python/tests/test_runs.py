@@ -77,7 +77,7 @@ def test_evaluate_judges_the_same_episodes_for_each_controller(device):
 def test_wrong_runs_are_refused(device, tmp_path):
     with pytest.raises(taxelsim.InputError, match="no such controller"):
         taxelsim.evaluate(taxelsim.SCENES / "tasks/hold_force.yaml", ["no such controller"], device=device)
-    with pytest.raises(taxelsim.InputError, match="batch size: 0 found"):
+    with pytest.raises(taxelsim.InputError, match="batch size: 0 is not allowed"):
         taxelsim.generate(SCENE, tmp_path / "out", device=device, batch_size=0)
     with pytest.raises(taxelsim.InputError, match=r"nowhere\.yaml"):
         taxelsim.generate("nowhere.yaml", tmp_path / "out", device=device)

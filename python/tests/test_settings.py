@@ -101,13 +101,13 @@ def test_meshes_come_from_arrays_and_files(tmp_path):
 @pytest.mark.parametrize(
     ("vertices", "triangles", "message"),
     [
-        (np.eye(3).T[:2].T, [[0, 1, 2]], r"vertices: shape \(3, 2\) found, \(V, 3\)"),
+        (np.eye(3).T[:2].T, [[0, 1, 2]], r"vertices: shape \(3, 2\) is not allowed: \(V, 3\)"),
         (np.eye(3), [[0, 1, 3]], "index|3"),
         (np.eye(3), [[0, 1, -1]], "triangles: -1 of index .* is not allowed"),
-        (np.eye(3), [[0.0, 1, 2]], "triangles: dtype float64 found, integers expected"),
+        (np.eye(3), [[0.0, 1, 2]], "triangles: dtype float64 is not allowed: integers"),
         (np.eye(3) * np.nan, [[0, 1, 2]], r"vertices: nan of index \(0, 0\) is not finite"),
         (np.eye(3), np.empty((0, 3), int), "no triangle|triangle"),
-        (np.zeros((3, 4)), [[0, 1, 2]], r"vertices: shape \(3, 4\) found"),
+        (np.zeros((3, 4)), [[0, 1, 2]], r"vertices: shape \(3, 4\) is not allowed"),
     ],
 )
 def test_wrong_meshes_are_refused(vertices, triangles, message):

@@ -158,15 +158,15 @@ def test_a_step_of_some_instances_leaves_the_others(simulator, poses):
 @pytest.mark.parametrize(
     ("ids", "change", "message"),
     [
-        (0, lambda p: p.T, r"poses: shape \(7, 6\) found, \(N, 7\) = \(6, 7\) or .* expected; did you mean array.T\?"),
-        (0, lambda p: p[0], r"poses: shape \(7,\) found, .*; did you mean np.tile\(array, \(num_instances, 1\)\)\?"),
-        (0, lambda p: p[:-1], r"poses: shape \(5, 7\) found, \(N, 7\) = \(6, 7\)"),
+        (0, lambda p: p.T, r"poses: shape \(7, 6\) is not allowed: \(N, 7\) = \(6, 7\) or .*; did you mean array.T\?"),
+        (0, lambda p: p[0], r"poses: shape \(7,\) is not allowed: .*; did you mean np.tile\(array, \(num_instances, 1\)\)\?"),
+        (0, lambda p: p[:-1], r"poses: shape \(5, 7\) is not allowed: \(N, 7\) = \(6, 7\)"),
         (0, lambda p: p.reshape(-1), r"did you mean array.reshape\(6, 7\)\?"),
-        (0, lambda p: p.astype(complex), "poses: dtype complex128 found, real numbers expected"),
-        (0, lambda p: p.astype(str), "poses: dtype <U.* found, real numbers expected"),
+        (0, lambda p: p.astype(complex), "poses: dtype complex128 is not allowed: real numbers"),
+        (0, lambda p: p.astype(str), "poses: dtype <U.* is not allowed: real numbers"),
         (0, lambda p: [[1, 2], [3]], "poses: rows of different lengths"),
-        (np.zeros(N), lambda p: p, r"ids: dtype float64 found, integers expected; did you mean array.astype\(int\)\?"),
-        (np.zeros(N + 1, int), lambda p: p, r"ids: shape \(7,\) found"),
+        (np.zeros(N), lambda p: p, r"ids: dtype float64 is not allowed: integers; did you mean array.astype\(int\)\?"),
+        (np.zeros(N + 1, int), lambda p: p, r"ids: shape \(7,\) is not allowed"),
         (np.full(N, 2**40), lambda p: p, "ids: 1099511627776 of instance 0 is not allowed"),
         ([0, 0, 7, 0, 0, 0], lambda p: p, "object 7 of instance 2 is not allowed: 0 to 1, or -1"),
         (0, lambda p: p * [1, 1, 1, 2, 2, 2, 2], "rotation of instance 0: a quaternion of length 2.0"),
@@ -203,7 +203,7 @@ def test_matrices_that_are_no_rotation_name_their_instance(simulator):
 def test_wrong_resets_are_refused(simulator):
     with pytest.raises(taxelsim.InputError, match="instances: 6 is not allowed: 0 to 5"):
         simulator.reset([0, N])
-    with pytest.raises(taxelsim.InputError, match=r"episodes: shape \(3,\) found, \(K,\) = \(2,\) expected"):
+    with pytest.raises(taxelsim.InputError, match=r"episodes: shape \(3,\) is not allowed: \(K,\) = \(2,\)"):
         simulator.reset([0, 1], [1, 2, 3])
     with pytest.raises(taxelsim.InputError, match="episodes: -1 of index 0 is not allowed"):
         simulator.reset([0], [-1])

@@ -128,10 +128,10 @@ def test_a_touch_over_the_middle_looks_the_same_for_all_objects(device: taxelsim
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"observation": "image"}, "observation: 'image' found"),
-        ({"num_touches": 0}, "num_touches: 0 found"),
-        ({"workspace": math.nan}, "workspace: nan found"),
-        ({"render_mode": "human"}, "render_mode: 'human' found"),
+        ({"observation": "image"}, "observation: 'image' is not allowed"),
+        ({"num_touches": 0}, "num_touches: 0 is not allowed"),
+        ({"workspace": math.nan}, "workspace: nan is not allowed"),
+        ({"render_mode": "human"}, "render_mode: 'human' is not allowed"),
         ({"condition": "hard"}, "condition hard: not in this scene; it has nominal, randomized, unseen"),
     ],
 )

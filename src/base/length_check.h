@@ -11,8 +11,7 @@ namespace taxelsim {
 // Throws Error(kInput) that names the array unless found == expected.
 inline void checkLength(const char* name, std::size_t found, std::size_t expected) {
   if (found == expected) return;
-  throw Error(ErrorKind::kInput,
-              std::string(name) + ": " + std::to_string(found) + " values found, " + std::to_string(expected) + " allowed");
+  throw Error(ErrorKind::kInput, std::string(name) + ": " + std::to_string(found) + " values are not allowed: " + std::to_string(expected));
 }
 
 }  // namespace taxelsim

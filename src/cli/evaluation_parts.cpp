@@ -55,7 +55,7 @@ std::optional<EpisodeRange> chosenEpisodes(const PartOptions& options, std::uint
   const auto [first, last] = *numberPair(options.episodes, "..");
   if (last >= num_episodes)
     throw Error(ErrorKind::kInput,
-                fmt::format("--episode-range: {} found, the scene has episodes 0 to {}", options.episodes, num_episodes - 1));
+                fmt::format("--episode-range: {} is not allowed: the scene has episodes 0 to {}", options.episodes, num_episodes - 1));
   return EpisodeRange{.first = first, .end = last + 1};
 }
 

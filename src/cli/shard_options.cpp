@@ -51,7 +51,8 @@ std::optional<ShardRange> chosenShards(const ShardOptions& options, std::uint64_
   if (options.shards.empty()) return {};
   const auto [first, last] = *numberPair(options.shards, "..");
   if (last >= num_shards)
-    throw Error(ErrorKind::kInput, fmt::format("--shards: {} found, the data set has shards 0 to {}", options.shards, num_shards - 1));
+    throw Error(ErrorKind::kInput,
+                fmt::format("--shards: {} is not allowed: the data set has shards 0 to {}", options.shards, num_shards - 1));
   return ShardRange{.first = first, .end = last + 1};
 }
 

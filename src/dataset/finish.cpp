@@ -58,7 +58,7 @@ bool finishDataset(const std::filesystem::path& directory, const FinishOptions& 
 }
 
 void writeDatasetView(const std::filesystem::path& directory, std::uint64_t num_frames) {
-  if (num_frames == 0) throw Error(ErrorKind::kInput, "frames of an episode: 0 found, at least 1 needed");
+  if (num_frames == 0) throw Error(ErrorKind::kInput, "frames of an episode: 0 is not allowed: at least 1");
   const Manifest manifest = readManifest(directory);
   std::vector<std::vector<std::uint64_t>> shard_ends(manifest.numShards());
   for (std::uint64_t shard = 0; shard < shard_ends.size(); ++shard)

@@ -68,10 +68,10 @@ void checkManifest(const Manifest& manifest) {
     fail("episodes_per_shard is " + std::to_string(manifest.episodes_per_shard) + ", not 1 to " + std::to_string(kMaxEpisodesPerShard));
   if (manifest.numShards() > kMaxShards)
     fail("episodes_per_shard is " + std::to_string(manifest.episodes_per_shard) + ": " + std::to_string(manifest.numShards()) +
-         " shards, at most " + std::to_string(kMaxShards) + " allowed");
+         " shards are not allowed: at most " + std::to_string(kMaxShards));
   if (manifest.episodes.size() > kMaxListedEpisodes)
-    fail("episodes has " + std::to_string(manifest.episodes.size()) + " numbers, at most " + std::to_string(kMaxListedEpisodes) +
-         " allowed");
+    fail("episodes has " + std::to_string(manifest.episodes.size()) + " numbers, which is not allowed: at most " +
+         std::to_string(kMaxListedEpisodes));
   if (!manifest.episodes.empty() && manifest.episodes.size() != manifest.num_episodes)
     fail("episodes has " + std::to_string(manifest.episodes.size()) + " numbers, num_episodes is " + std::to_string(manifest.num_episodes));
   if (manifest.compression < 0 || manifest.compression > kMaxCompression)

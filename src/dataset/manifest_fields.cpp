@@ -71,7 +71,7 @@ void Fields::refuse(std::string_view key, const YamlTree& value, const std::stri
                             : value.kind == YamlTree::Kind::kSequence ? "a list"
                             : value.kind == YamlTree::Kind::kMap      ? "a mapping"
                                                                       : "nothing";
-  fail(value, std::string(key) + ": " + found + " found, " + allowed + " allowed");
+  fail(value, std::string(key) + ": " + found + " is not allowed: " + allowed);
 }
 
 std::uint64_t Fields::integerOf(std::string_view key, const YamlTree& value, std::uint64_t max) const {

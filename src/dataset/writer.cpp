@@ -108,8 +108,8 @@ struct DatasetWriter::Impl {
   void writeManifestFile() {
     const std::string text = writeManifest(manifest);
     if (text.size() > kMaxManifestBytes)
-      throw Error(ErrorKind::kInput, "data set: its manifest would have " + std::to_string(text.size()) + " bytes, at most " +
-                                         std::to_string(kMaxManifestBytes) + " allowed");
+      throw Error(ErrorKind::kInput, "data set: its manifest would have " + std::to_string(text.size()) +
+                                         " bytes, which is not allowed: at most " + std::to_string(kMaxManifestBytes));
     writeFileAtomically(directory / kManifestName, std::as_bytes(std::span(text)));
   }
 

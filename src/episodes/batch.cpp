@@ -10,7 +10,7 @@
 namespace taxelsim {
 
 void checkCount(const char* name, std::int64_t value) {
-  if (value < 1) throw Error(ErrorKind::kInput, std::string(name) + ": " + std::to_string(value) + " found, at least 1 allowed");
+  if (value < 1) throw Error(ErrorKind::kInput, std::string(name) + ": " + std::to_string(value) + " is not allowed: at least 1");
 }
 
 std::vector<int> splitBatch(const Model& model, const SlicePlan& plan, int batch_size, int num_slices) {

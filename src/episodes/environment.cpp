@@ -28,7 +28,7 @@ const Scene& checked(const Scene& scene, const EnvironmentOptions& options) {
     throw Error(ErrorKind::kInput, scene.file.generic_string() + ": kind: " + wordOf(scene.kind) + " found, an environment needs servo");
   }
   if (options.max_regions != 0 && !hasContactFeatures(options.outputs)) {
-    throw Error(ErrorKind::kInput, "max_regions: " + std::to_string(options.max_regions) + " found, 0 allowed without contact features");
+    throw Error(ErrorKind::kInput, "max_regions: " + std::to_string(options.max_regions) + " is not allowed: 0 without contact features");
   }
   checkScene(scene);
   return scene;
@@ -66,7 +66,7 @@ const Model& checked(const Model& model, const Scene& scene) {
     refuse("another sensor than the scene's: " + difference);
   }
   if (model.objects().size() != scene.objects.size()) {
-    refuse(std::to_string(model.objects().size()) + " objects found, the scene has " + std::to_string(scene.objects.size()));
+    refuse(std::to_string(model.objects().size()) + " objects are not allowed: the scene has " + std::to_string(scene.objects.size()));
   }
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     if (!areEqual(model.objects()[i].shape, scene.objects[i].object.shape)) {
@@ -262,8 +262,7 @@ TaskState Environment::taskState() {
 Verdict Environment::judge(int instance) {
   const TaskJudge& task_judge = impl_->requireJudge();
   if (instance < 0 || instance >= numInstances()) {
-    throw Error(ErrorKind::kInput,
-                "instance: " + std::to_string(instance) + " found, 0 to " + std::to_string(numInstances() - 1) + " allowed");
+    throw Error(ErrorKind::kInput, "instance: " + std::to_string(instance) + " is not allowed: 0 to " + std::to_string(numInstances() - 1));
   }
   if (!impl_->has_run[static_cast<std::size_t>(instance)]) {
     throw std::logic_error("environment: instance " + std::to_string(instance) + " has run no episode");

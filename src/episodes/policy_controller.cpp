@@ -29,7 +29,7 @@ void checkPolicy(const Policy& policy, const Scene& scene) {
   }
   if (scene.kind != Scene::Kind::kServo) refuse(policy, "the scene has kind " + wordOf(scene.kind) + ", a policy needs servo");
   if (policy.max_regions != 0 && !hasContactFeatures(policy.outputs)) {
-    refuse(policy, "max_regions: " + std::to_string(policy.max_regions) + " found, 0 allowed without contact features");
+    refuse(policy, "max_regions: " + std::to_string(policy.max_regions) + " is not allowed: 0 without contact features");
   }
   if (!policy.act == !policy.act_joints) refuse(policy, "exactly one of act and act_joints must be set");
   if (policy.act_joints && numJoints(scene) == 0) refuse(policy, "act_joints is set, but the robot of the scene has no joints");

@@ -64,7 +64,7 @@ SlicePlan::SlicePlan(const Scene& scene_to_run, const OutputOptions& sink_output
   max_regions = numRegions(scene);
   if (hasContactFeatures(policy->outputs) && policy->max_regions != max_regions) {
     throw Error(ErrorKind::kInput, "policy " + policy->name + ": max_regions: " + std::to_string(policy->max_regions) +
-                                       " found, the scene records contact features with " + std::to_string(max_regions));
+                                       " is not allowed: the scene records contact features with " + std::to_string(max_regions));
   }
 }
 

@@ -94,7 +94,7 @@ std::vector<Evaluation> mergeEvaluationParts(const Scene& scene, const std::vect
       for (std::size_t c = 0; c < verdicts.size(); ++c) {
         const Verdict& verdict = part.evaluations[c].verdicts[episode - part.episodes.first];
         if (verdict.object < 0 || static_cast<std::size_t>(verdict.object) >= scene.objects.size())
-          throw Error(ErrorKind::kInput, name + ": object " + std::to_string(verdict.object) + " found, the scene has 0 to " +
+          throw Error(ErrorKind::kInput, name + ": object " + std::to_string(verdict.object) + " is not allowed: the scene has 0 to " +
                                              std::to_string(scene.objects.size() - 1));
         if (found[episode] && digitsOf(std::span(&verdict, 1)) != digitsOf(std::span(&verdicts[c][episode], 1)))
           throw Error(ErrorKind::kInput, name + ": episode " + std::to_string(episode) + " differs from the one in another part");

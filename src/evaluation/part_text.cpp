@@ -112,7 +112,7 @@ class Parser {
   std::vector<Verdict> verdictsOf(const std::string& digits, const EpisodeRange& episodes) const {
     const std::size_t expected = 2 * verdictBytes() * episodes.size();
     if (digits.size() != expected)
-      fail("verdicts: " + std::to_string(digits.size()) + " digits found, " + std::to_string(expected) + " expected");
+      fail("verdicts: " + std::to_string(digits.size()) + " digits are not allowed: " + std::to_string(expected));
     std::vector<Verdict> verdicts(episodes.size());
     std::size_t next = 0;
     const auto read = [&](auto& member) {
@@ -127,7 +127,7 @@ class Parser {
         if constexpr (std::is_same_v<decltype(member), bool&>) {
           std::uint8_t flag = 0;
           read(flag);
-          if (flag > 1) fail("verdicts: a flag of value " + std::to_string(flag) + " found, 0 or 1 allowed");
+          if (flag > 1) fail("verdicts: a flag of value " + std::to_string(flag) + " is not allowed: 0 or 1");
           member = flag != 0;
         } else {
           read(member);

@@ -35,16 +35,16 @@ std::vector<int> numbersOf(const Scene& scene, const std::vector<std::string>& n
 
 void checkEpisodesOfEvaluation(std::uint64_t num_episodes) {
   if (num_episodes <= kMaxEpisodes) return;
-  throw Error(ErrorKind::kInput, "episodes: " + std::to_string(num_episodes) + " found, at most " + std::to_string(kMaxEpisodes) +
-                                     " allowed in one evaluation");
+  throw Error(ErrorKind::kInput, "episodes: " + std::to_string(num_episodes) + " is not allowed: at most " + std::to_string(kMaxEpisodes) +
+                                     " in one evaluation");
 }
 
 EpisodeRange chosenEpisodes(const Scene& scene, const std::optional<EpisodeRange>& episodes) {
   const EpisodeRange range = episodes.value_or(EpisodeRange{.first = 0, .end = scene.num_episodes});
   if (range.first < range.end && range.end <= scene.num_episodes) return range;
   throw Error(ErrorKind::kInput, "episodes: " + std::to_string(range.first) + ".." +
-                                     std::to_string(static_cast<std::int64_t>(range.end) - 1) + " found, the scene has episodes 0.." +
-                                     std::to_string(scene.num_episodes - 1));
+                                     std::to_string(static_cast<std::int64_t>(range.end) - 1) +
+                                     " is not allowed: the scene has episodes 0.." + std::to_string(scene.num_episodes - 1));
 }
 
 Players::Players(const Scene& scene, const std::vector<std::string>& names, const EvaluateOptions& options) {

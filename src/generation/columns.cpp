@@ -25,7 +25,7 @@ std::set<std::string> groupsOf(const Scene& scene) {
     if (std::find(kRecordWords.begin(), kRecordWords.end(), name) == kRecordWords.end()) {
       std::string allowed;
       for (const std::string_view group : kRecordWords) allowed += (allowed.empty() ? "" : ", ") + std::string(group);
-      throw Error(ErrorKind::kInput, scene.file.string() + ": record: \"" + name + "\" found, one of " + allowed + " allowed");
+      throw Error(ErrorKind::kInput, scene.file.string() + ": record: \"" + name + "\" is not allowed: one of " + allowed);
     }
     groups.insert(name);
   }

@@ -46,8 +46,8 @@ void checkRun(const Scene& scene, const GenerateOptions& options) {
   const auto twice = std::adjacent_find(episodes.begin(), episodes.end());
   if (twice != episodes.end()) throw Error(ErrorKind::kInput, "episodes: " + std::to_string(*twice) + " found twice");
   if (scene.contact_points && !episodes.empty() && episodes.back() >= scene.contact_points->num_episodes) {
-    throw Error(ErrorKind::kInput, "episodes: " + std::to_string(episodes.back()) + " found, 0 to " +
-                                       std::to_string(scene.contact_points->num_episodes - 1) + " allowed, those of " +
+    throw Error(ErrorKind::kInput, "episodes: " + std::to_string(episodes.back()) + " is not allowed: 0 to " +
+                                       std::to_string(scene.contact_points->num_episodes - 1) + ", those of " +
                                        scene.contact_points->file_name);
   }
 }

@@ -14,7 +14,7 @@ FootprintMask readMask(const std::filesystem::path& file, double pixel) {
     const std::size_t count = reader.fields().size();
     if (mask.num_rows == 0) mask.num_cols = count;
     if (count != mask.num_cols) {
-      reader.fail(1, std::to_string(count) + " pixels found, the first row has " + std::to_string(mask.num_cols));
+      reader.fail(1, std::to_string(count) + " pixels are not allowed: the first row has " + std::to_string(mask.num_cols));
     }
     if (mask.pressure.size() + count > kMaxMaskPixels) {
       reader.fail(1, "more than " + std::to_string(kMaxMaskPixels) + " pixels: use larger ones");

@@ -87,7 +87,7 @@ std::vector<std::size_t> taxelColumns(const Source& source) {
     for (const YamlNode& name : given->items("a list of names of columns")) names.push_back(name.text("the name of a column"));
     const int num_taxels = numTaxels(source.sensor);
     if (names.size() != static_cast<std::size_t>(num_taxels)) {
-      given->fail(std::to_string(names.size()) + " names found, the sensor has " + std::to_string(num_taxels) + " taxels");
+      given->fail(std::to_string(names.size()) + " names are not allowed: the sensor has " + std::to_string(num_taxels) + " taxels");
     }
     return source.table.columnsNamed(names);
   }

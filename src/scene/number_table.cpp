@@ -35,7 +35,7 @@ std::vector<std::string> headingOf(const CsvReader& reader) {
     names.emplace_back(field.text);
   }
   if (names.size() > kMaxColumns)
-    reader.fail(1, std::to_string(names.size()) + " columns found, at most " + std::to_string(kMaxColumns) + " allowed");
+    reader.fail(1, std::to_string(names.size()) + " columns are not allowed: at most " + std::to_string(kMaxColumns));
   return names;
 }
 
@@ -76,8 +76,8 @@ NumberTable::NumberTable(const std::filesystem::path& file) {
       continue;
     }
     if (reader.fields().size() < columns_.size()) {
-      reader.fail(reader.fields().back().column,
-                  std::to_string(reader.fields().size()) + " values found, the heading has " + std::to_string(columns_.size()) + " names");
+      reader.fail(reader.fields().back().column, std::to_string(reader.fields().size()) + " values are not allowed: the heading has " +
+                                                     std::to_string(columns_.size()) + " names");
     }
     if (reader.fields().size() > columns_.size()) {
       reader.fail(reader.fields()[columns_.size()].column,

@@ -96,7 +96,7 @@ TEST_F(CalibrateReadings, RefusesBadTables) {
   refused(kSmallPadColumns + "1,2,3,4,5,nan\n", "raw.csv:2:11");
   refused(kSmallPadColumns + "1,2,3,4,5,6\n1,2,3,4,5,1024\n", "raw.csv:3:11: r1_c2: 1024 is not allowed");
   refused(kSmallPadColumns + "1,2,3,4,5,-1\n", "0 to 1023 counts");
-  refused(kSmallPadColumns + "1,2,3,4,5\n", "5 values found");
+  refused(kSmallPadColumns + "1,2,3,4,5\n", "5 values are not allowed");
   refused(kSmallPadColumns + "1,2,3,4,5,6\n", "missing column of the time", {"--remove", "creep"});
   refused(kSmallPadColumns + "1,2,3,4,5,6\n", "--remove", {"--remove", "noise"});
   refused("time_s," + kSmallPadColumns + "1,1,2,3,4,5,6\n1,1,2,3,4,5,6\n", "raw.csv:3:1: time_s");

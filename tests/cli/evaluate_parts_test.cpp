@@ -55,7 +55,7 @@ TEST_F(EvaluateParts, ArgumentsThatAreNoneAreRefused) {
     expectRefused(run({"-o", out_, "--episode-range", value}), "is not FIRST..LAST");
   }
   for (const char* value : {"0/3", "4/3", "3"}) expectRefused(run({"-o", out_, "--part", value}), "is not K/N");
-  expectRefused(run({"-o", out_, "--episode-range", "30..40"}), "--episode-range: 30..40 found, the scene has episodes 0 to 39");
+  expectRefused(run({"-o", out_, "--episode-range", "30..40"}), "--episode-range: 30..40 is not allowed: the scene has episodes 0 to 39");
   expectRefused(run({"-o", out_}), "--output: needs --episode-range or --part");
   expectRefused(run({"--part", "1/2"}), "--output");
   expectRefused(run({"--merge", root_ / "missing"}), "missing: is not a directory");

@@ -89,7 +89,7 @@ TEST_F(Evaluate, RejectsUnknownControllersAndScenesWithoutTask) {
   expectRefused(runTaxelsim({"evaluate", std::string(TAXELSIM_SOURCE_DIR) + "/scenes/edge_servo.yaml"}),
                 "this scene has no `task`, which `evaluate` needs");
   expectRefused(runTaxelsim({"evaluate", scene_, "--episodes", "0"}), "--episodes");
-  expectRefused(runTaxelsim({"evaluate", scene_, "--episodes", "1000000000"}), "at most 16777216 allowed in one evaluation");
+  expectRefused(runTaxelsim({"evaluate", scene_, "--episodes", "1000000000"}), "at most 16777216 in one evaluation");
 }
 
 TEST_F(Evaluate, ConditionsOverrideTheScene) {

@@ -68,7 +68,7 @@ TEST(Shards, RangesThatAreNoneAreRefused) {
   };
   for (const char* value : {"5..2", "1-2", "..3", "1..", "-1..3", "a..b", "1..2x"}) refuse("--shards", value, "is not FIRST..LAST");
   for (const char* value : {"0/3", "4/3", "1/0", "3", "1/2/3", "-1/3"}) refuse("--part", value, "is not K/N");
-  refuse("--shards", "2..6", "--shards: 2..6 found, the data set has shards 0 to 5");
+  refuse("--shards", "2..6", "--shards: 2..6 is not allowed: the data set has shards 0 to 5");
   EXPECT_EQ(runTaxelsim({"generate", scene, "-o", root / "out", "--part", "1/2", "--shards", "0..1"}).status, 2) << "both";
   EXPECT_FALSE(std::filesystem::exists(root / "out"));
   const Outcome empty = succeed({"generate", scene, "-o", root / "out", "--part", "7/7"});

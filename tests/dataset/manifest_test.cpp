@@ -77,9 +77,9 @@ TEST(Manifest, RejectsChangedOrInvalidFiles) {
   expectRejected(changed("num_episodes: 11", "num_episodes: 0"), "num_episodes");
   expectRejected(changed("columns:\n", "columns: [\n"), "d/dataset.yaml");
   expectRejected("", "d/dataset.yaml");
-  expectRejected(changed("num_rows: 2", "num_rows: 2147483648"), "num_rows: 2147483648 found, a whole number from 0 to 128 allowed");
-  expectRejected(changed("pitch: [", "pitch: [1, "), "pitch: a list found, a list of 2 numbers allowed");
-  expectRejected(changed("shape: [2, 3]", "shape: [2, 3.5]"), "shape: 3.5 found");
+  expectRejected(changed("num_rows: 2", "num_rows: 2147483648"), "num_rows: 2147483648 is not allowed: a whole number from 0 to 128");
+  expectRejected(changed("pitch: [", "pitch: [1, "), "pitch: a list is not allowed: a list of 2 numbers");
+  expectRejected(changed("shape: [2, 3]", "shape: [2, 3.5]"), "shape: 3.5 is not allowed");
   expectRejected(changed("shape: [2, 3]", "shape: " + std::string(100'000, '[')), "brackets are open");
   expectRejected(changed("shape: [2, 3]", "shape: &a [*a]"), "an anchor");
   expectRejected(changed("device: ", "x: [" + std::string(8'000'000, ',') + "]\ndevice: "), "d/dataset.yaml");
@@ -107,13 +107,14 @@ TEST(Manifest, RejectsInvalidColumns) {
   expectRejected("has 0 columns", [](Manifest& m) { m.columns.clear(); });
   expectRejected("episodes_per_shard", [](Manifest& m) { m.episodes_per_shard = 0; });
   expectRejected("episodes_per_shard is 1000001, not 1 to 1000000", [](Manifest& m) { m.episodes_per_shard = 1'000'001; });
-  expectRejected("episodes has 1000001 numbers, at most 1000000", [](Manifest& m) { m.episodes.resize(m.num_episodes = 1'000'001); });
+  expectRejected("episodes has 1000001 numbers, which is not allowed: at most 1000000",
+                 [](Manifest& m) { m.episodes.resize(m.num_episodes = 1'000'001); });
   expectRejected("4097 columns", [](Manifest& m) { m.columns.assign(4097, m.columns[0]); });
   expectRejected("num_rows or num_cols is 129", [](Manifest& m) { m.num_cols = 129; });
   expectRejected("compression", [](Manifest& m) { m.compression = 10; });
   expectRejected("chunk_bytes", [](Manifest& m) { m.chunk_bytes = 1023; });
   expectRejected("chunk_bytes", [](Manifest& m) { m.chunk_bytes = kMaxChunkBytes + 1; });
-  expectRejected("1000000 allowed", [](Manifest& m) { m.num_episodes = std::uint64_t{1} << 48; });
+  expectRejected("not allowed: at most 1000000", [](Manifest& m) { m.num_episodes = std::uint64_t{1} << 48; });
   expectRejected("policy", [](Manifest& m) { m.policy.assign(1 << 20, 'p'); });
   expectRejected("description", [](Manifest& m) { m.columns[0].description.assign(1 << 20, 'p'); });
   expectRejected("length is 0", [](Manifest& m) { m.columns[9].text_length = 0; });

@@ -225,11 +225,11 @@ TEST_F(EnvironmentCalls, RefusesActionsThatAreNotFinite) {
 
 TEST_F(EnvironmentCalls, RefusesWrongLengthsAndUnknownInstances) {
   const std::vector<Twist> twists(3);
-  EXPECT_THAT(refusal([&] { environment.act(twists); }), HasSubstr("twists: 3 values found, 4 allowed"));
-  EXPECT_THAT(refusal([&] { environment.reset(std::vector<std::uint8_t>(5), episodes); }), HasSubstr("mask: 5 values found, 4 allowed"));
-  EXPECT_THAT(refusal([&] { environment.reset(all, std::vector<std::uint64_t>(1)); }), HasSubstr("episodes: 1 values found, 4 allowed"));
+  EXPECT_THAT(refusal([&] { environment.act(twists); }), HasSubstr("twists: 3 values are not allowed: 4"));
+  EXPECT_THAT(refusal([&] { environment.reset(std::vector<std::uint8_t>(5), episodes); }), HasSubstr("mask: 5 values are not allowed: 4"));
+  EXPECT_THAT(refusal([&] { environment.reset(all, std::vector<std::uint64_t>(1)); }), HasSubstr("episodes: 1 values are not allowed: 4"));
   EXPECT_THAT(refusal([&] { environment.actJoints({}); }), HasSubstr("this robot has no joints"));
-  EXPECT_THAT(refusal([&] { environment.judge(4); }), HasSubstr("instance: 4 found, 0 to 3 allowed"));
+  EXPECT_THAT(refusal([&] { environment.judge(4); }), HasSubstr("instance: 4 is not allowed: 0 to 3"));
 }
 
 TEST_F(EnvironmentCalls, MovesWithItsState) {
@@ -305,14 +305,14 @@ TEST(Environment, JudgesAsEvaluateDoes) {
 TEST(Environment, RefusesScenesAndModelsThatDoNotFit) {
   const Device device = Device::open();
   EXPECT_THAT(refusal([&] { Environment(device, exampleContacts(), {}); }), HasSubstr("kind: contacts found, an environment needs servo"));
-  EXPECT_THAT(refusal([&] { Environment(device, exampleScene(), {.num_instances = 0}); }), HasSubstr("num_instances: 0 found"));
+  EXPECT_THAT(refusal([&] { Environment(device, exampleScene(), {.num_instances = 0}); }), HasSubstr("num_instances: 0 is not allowed"));
   EXPECT_THAT(refusal([&] { Environment(device, exampleScene(), {.max_regions = 2}); }),
-              HasSubstr("max_regions: 2 found, 0 allowed without contact features"));
+              HasSubstr("max_regions: 2 is not allowed: 0 without contact features"));
   Scene other = exampleScene();
   other.objects.pop_back();
   const Model model(device, modelOptionsOf(other));
   EXPECT_EQ(refusal([&] { Environment(model, exampleScene(), {}); }),
-            "model: 1 objects found, the scene has 2; make the model from modelOptionsOf(scene)");
+            "model: 1 objects are not allowed: the scene has 2; make the model from modelOptionsOf(scene)");
   Environment environment(model, other, {});
   EXPECT_THAT(refusal([&] {
                 environment.reset(std::vector<std::uint8_t>{1}, std::vector<std::uint64_t>{0});

@@ -175,7 +175,7 @@ std::string refusalOf(const Scene& refused, const std::vector<double>& gains = {
 TEST(EvaluateGrasp, RefusesWhatItCannotJudge) {
   EXPECT_EQ(refusalOf(scene(1), {0}), "gain: 0 is not allowed: a number > 0 and <= 100 1/s");
   EXPECT_EQ(refusalOf(scene(1), {101}), "gain: 101 is not allowed: a number > 0 and <= 100 1/s");
-  EXPECT_EQ(refusalOf(scene(1), {}, 0), "batch size: 0 found, at least 1 allowed");
+  EXPECT_EQ(refusalOf(scene(1), {}, 0), "batch size: 0 is not allowed: at least 1");
   Scene refused = scene(1);
   refused.grasp->task.hold = 1.2;
   EXPECT_EQ(refusalOf(refused), "task.hold: 1.2 is not allowed: a number > 0 and <= 1.1 s, the duration of an episode");
@@ -186,7 +186,7 @@ TEST(EvaluateGrasp, RefusesWhatItCannotJudge) {
   EXPECT_NE(refusalOf(refused), support::kNoRefusal);
   refused = scene(1);
   refused.num_episodes = (1 << 24) + 1;
-  EXPECT_NE(refusalOf(refused).find("16777217 found, at most 16777216 allowed"), std::string::npos);
+  EXPECT_NE(refusalOf(refused).find("16777217 is not allowed: at most 16777216"), std::string::npos);
 }
 
 }  // namespace

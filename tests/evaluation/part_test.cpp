@@ -53,8 +53,8 @@ TEST(EvaluationPart, PartsTogetherGiveTheEvaluationsOfOneRun) {
   expectRefused([&] { mergeEvaluationParts(scene, parts); }, "episode 2 differs from the one in another part");
   parts.erase(parts.begin() + 1);
   expectRefused([&] { mergeEvaluationParts(scene, parts); }, "episodes 0..1 are missing in the parts of the evaluation; 2 of 6");
-  expectRefused([&] { evaluate(device, scene, {}, episodes(3, 7)); }, "episodes: 3..6 found, the scene has episodes 0..5");
-  expectRefused([&] { evaluate(device, scene, {}, episodes(3, 3)); }, "episodes: 3..2 found");
+  expectRefused([&] { evaluate(device, scene, {}, episodes(3, 7)); }, "episodes: 3..6 is not allowed: the scene has episodes 0..5");
+  expectRefused([&] { evaluate(device, scene, {}, episodes(3, 3)); }, "episodes: 3..2 is not allowed");
 }
 
 EvaluationPart examplePart(const Scene& scene) {
@@ -91,7 +91,7 @@ TEST(EvaluationPart, ForeignPartsAreRefusedByName) {
   refuse([](EvaluationPart& other) { other.policy = "sha"; }, "b: has another policy (sha there, none expected)");
   refuse([](EvaluationPart& other) { other.evaluations[0].controller = "x"; },
          "b: has another set of controllers (x there, first expected)");
-  refuse([](EvaluationPart& other) { other.evaluations[0].verdicts[0].object = 9; }, "b: object 9 found, the scene has 0 to ");
+  refuse([](EvaluationPart& other) { other.evaluations[0].verdicts[0].object = 9; }, "b: object 9 is not allowed: the scene has 0 to ");
   expectRefused([&] { mergeEvaluationParts(scene, {}); }, "no parts of an evaluation found");
 }
 

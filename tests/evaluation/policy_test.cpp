@@ -132,7 +132,7 @@ TEST(EvaluatePolicy, RefusesPoliciesThatCannotAct) {
   EXPECT_THAT(refusalOf(scene, {.name = "p"}), HasSubstr("policy p: exactly one of act and act_joints must be set"));
   EXPECT_THAT(refusalOf(scene, {.name = "p", .act = rest, .act_joints = rest_joints}), HasSubstr("exactly one of"));
   EXPECT_THAT(refusalOf(scene, {.name = "p", .act_joints = rest_joints}), HasSubstr("the robot of the scene has no joints"));
-  EXPECT_THAT(refusalOf(scene, {.name = "p", .max_regions = 1, .act = rest}), HasSubstr("max_regions: 1 found, 0 allowed"));
+  EXPECT_THAT(refusalOf(scene, {.name = "p", .max_regions = 1, .act = rest}), HasSubstr("max_regions: 1 is not allowed: 0"));
 }
 
 // One policy asks for all outputs that frames have, one for none.

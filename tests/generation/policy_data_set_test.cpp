@@ -62,7 +62,7 @@ TEST(GeneratePolicy, RefusesAnotherNumberOfRegionsThanTheScene) {
   policy.outputs.contact_features = true;
   policy.max_regions = 1;
   EXPECT_THAT(support::inputError([&] { generate(Device::open(), exampleScene(), directory.path() / "d", options(policy, 4, 1)); }),
-              HasSubstr("policy press: max_regions: 1 found, the scene records contact features with 2"));
+              HasSubstr("policy press: max_regions: 1 is not allowed: the scene records contact features with 2"));
   EXPECT_FALSE(std::filesystem::exists(directory.path() / "d/shard-000000.h5"));
 }
 

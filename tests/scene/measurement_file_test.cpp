@@ -91,7 +91,7 @@ TEST(MeasurementFile, ReadsColumnsByNameAndTheFixture) {
   const Measurement placed = Bench(keys + "taxel_columns: [b, a]\nposition_mm: [0, 0.5]\n", table).load();
   EXPECT_THAT(std::get<StampImages>(placed.data).position.value(), ElementsAre(0, 0.0005));
   EXPECT_THAT(Bench(keys + "taxel_columns: [b, a]\nposition: [0, 0.5]\n", table).refused(), HasSubstr("0.5 is not allowed")) << "in mm";
-  EXPECT_THAT(Bench(keys + "taxel_columns: [b]\n", table).refused(), HasSubstr("1 names found, the sensor has 2 taxels"));
+  EXPECT_THAT(Bench(keys + "taxel_columns: [b]\n", table).refused(), HasSubstr("1 names are not allowed: the sensor has 2 taxels"));
   EXPECT_THAT(Bench(keys + "taxel_columns: [b, c]\n", table).refused(), HasSubstr("missing column"));
   EXPECT_THAT(Bench("measurement: force_curve\nfixture: holder\n", "taxel,force_N,counts\n0,1,2\n").refused(),
               HasSubstr("not a key of force_curve"));
@@ -164,7 +164,7 @@ TEST(MeasurementFile, RejectsBadMeasurements) {
       {"measurement: footprint_images\nmask: none.csv\npixel_mm: 1\n", "r0_c0,r0_c1\n0,1\n", "none.csv"},
       {"measurement: footprint_images\nmask: empty.csv\npixel_mm: 1\n", "r0_c0,r0_c1\n0,1\n", "empty.csv: no pixel above 0"},
       {"measurement: footprint_images\nmask: ragged.csv\npixel_mm: 1\n", "r0_c0,r0_c1\n0,1\n",
-       "ragged.csv:2:1: 1 pixels found, the first row has 2"},
+       "ragged.csv:2:1: 1 pixels are not allowed: the first row has 2"},
       {"measurement: footprint_images\nmask: mask.csv\npixel_mm: 0\n", "r0_c0,r0_c1\n0,1\n", "pixel_mm: 0 is not allowed"},
       {"measurement: footprint_images\nposition_error: -1\n" + pin, "r0_c0,r0_c1\n0,1\n", "position_error: -1 is not allowed"},
       {"measurement: footprint_images\n" + pin, "x_mm,r0_c0,r0_c1\n0,0,1\n", "x and y are given together or not at all"},

@@ -54,7 +54,7 @@ TEST(NumberTable, RejectsBadFiles) {
       {"1,2\n3,4\n", ":1:1: \"1\" is not allowed: the first line must name the columns"},
       {"force_N,\n", ":1:9: \"\" is not allowed: the first line must name the columns"},
       {"force_N,counts,force_N\n1,2,3\n", ":1:16: \"force_N\" is given twice"},
-      {"force_N,counts\n1\n", ":2:1: 1 values found, the heading has 2 names"},
+      {"force_N,counts\n1\n", ":2:1: 1 values are not allowed: the heading has 2 names"},
       {"force_N,counts\n1,2,3\n", ":2:5: one value too many: the heading has 2 names"},
       {"force_N,counts\n1,nan\n", ":2:3: counts: \"nan\" is not allowed: a number from -1e+15 to 1e+15"},
       {"force_N,counts\n1,\n", ":2:3: counts: \"\" is not allowed"},

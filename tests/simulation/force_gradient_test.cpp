@@ -357,9 +357,9 @@ TEST(ForceGradientErrors, RejectsInvalidInput) {
   const auto refusal = [&](std::span<const float> cotangent, std::span<const float> gain = {}) {
     return support::inputError([&] { simulator.vjp(cotangent, gain); });
   };
-  EXPECT_EQ(refusal(std::span(ones).first(84)), "cotangent: 84 values found, 168 allowed");
-  EXPECT_EQ(refusal({}), "cotangent: 0 values found, 168 allowed");
-  EXPECT_EQ(refusal(ones, std::span(ones).first(1)), "gain: 1 values found, 168 allowed");
+  EXPECT_EQ(refusal(std::span(ones).first(84)), "cotangent: 84 values are not allowed: 168");
+  EXPECT_EQ(refusal({}), "cotangent: 0 values are not allowed: 168");
+  EXPECT_EQ(refusal(ones, std::span(ones).first(1)), "gain: 1 values are not allowed: 168");
   std::vector<float> bad = ones;
   bad[84 + 5] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(refusal(bad), "cotangent of instance 1, taxel 5: nan is not allowed: finite numbers");

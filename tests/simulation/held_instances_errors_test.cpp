@@ -42,7 +42,7 @@ TEST(HeldInstancesErrors, RejectsAnotherNumberOfInstances) {
   OneBall scene;
   for (const std::size_t length : {0u, 2u, 4u}) {
     const std::string message = support::inputError([&] { scene.simulator.step(0.01, Selected(length, 1)); });
-    EXPECT_EQ(message, "instances: " + std::to_string(length) + " values found, 3 allowed");
+    EXPECT_EQ(message, "instances: " + std::to_string(length) + " values are not allowed: 3");
   }
 }
 

@@ -26,7 +26,7 @@ def chosen_episodes(options: argparse.Namespace, num_episodes: int) -> range | N
     if options.episode_range is not None:
         first, last = _numbers(r"(\d+)\.\.(\d+)", options.episode_range, "--episode-range", "FIRST..LAST, such as 40..79, both included")
         if not first <= last < num_episodes:
-            raise InputError(f"--episode-range: {options.episode_range} found, the scene has episodes 0 to {num_episodes - 1}")
+            raise InputError(f"--episode-range: {options.episode_range} is not allowed: the scene has episodes 0 to {num_episodes - 1}")
         return range(first, last + 1)
     if options.part is None:
         return None

@@ -82,5 +82,5 @@ def _names(text: str) -> tuple[str, ...]:
 def _range(text: str) -> tuple[int, int]:
     found = re.fullmatch(r"(\d+)\.\.(\d+)", text)
     if not found:
-        raise argparse.ArgumentTypeError(f"{text!r} found, a range such as 0..99 expected")
+        raise argparse.ArgumentTypeError(f"{text!r} is not allowed: a range such as 0..99")
     return int(found[1]), int(found[2])

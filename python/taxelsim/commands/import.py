@@ -71,5 +71,5 @@ def _parser() -> argparse.ArgumentParser:
 def _column(text: str) -> tuple[str, str]:
     name, equals, column = text.partition("=")
     if not equals:
-        raise argparse.ArgumentTypeError(f"{text!r} found, NAME=COLUMN expected")
+        raise argparse.ArgumentTypeError(f"{text!r} is not allowed: NAME=COLUMN")
     return name, column

@@ -35,7 +35,7 @@ def _parser() -> argparse.ArgumentParser:
 
 def _run(options: argparse.Namespace) -> None:
     if not 0 < options.speed < float("inf"):
-        raise InputError(f"--speed: {options.speed} found, a finite number above 0 allowed")
+        raise InputError(f"--speed: {options.speed} is not allowed: a finite number above 0")
     check_video(options.output)
     rate = MAX_RATES[options.output.suffix] / options.speed  # per second of the episode
     command = [str(PROGRAM), "render", options.folder, f"--episode={options.episode}", "--output=-", f"--rate={rate!r}"]

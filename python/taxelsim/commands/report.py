@@ -42,7 +42,7 @@ def main(arguments: Sequence[str]) -> int:
 
 def _run(options: argparse.Namespace) -> None:
     if options.max_frames < 1:
-        raise InputError(f"--max-frames: {options.max_frames} found, at least 1 allowed")
+        raise InputError(f"--max-frames: {options.max_frames} is not allowed: at least 1")
     checked_license(options.license)
     page = options.output or (None if options.card else Path("report.html"))
     for file in filter(None, (page, options.card)):

@@ -16,9 +16,9 @@ Rows = NDArray[np.int64]
 def checked_index(place: str, index: Any, count: int) -> int:
     """`index` as a number from 0 to count - 1; negative ones count from the end. place: what it indexes, for messages."""
     if isinstance(index, bool | np.bool_) or not isinstance(index, int | np.integer):
-        raise InputError(f"{place}: integer expected, {type(index).__name__} found")
+        raise InputError(f"{place}: {type(index).__name__} is not allowed: an integer")
     if not -count <= index < count:
-        raise OutOfRangeError(f"{place}: {index} found, {_allowed(count)}")
+        raise OutOfRangeError(f"{place}: {index} is not allowed: {_allowed(count)}")
     return int(index) % count
 
 
@@ -29,19 +29,19 @@ def checked_rows(place: str, indices: Any, count: int) -> Rows:
     rows = np.asarray(indices)
     if rows.dtype == np.bool_:
         if rows.shape != (count,):
-            raise InputError(f"{place}: mask of shape {(count,)} expected, {rows.shape} found")
+            raise InputError(f"{place}: a mask of shape {rows.shape} is not allowed: {(count,)}")
         return np.flatnonzero(rows)
     if rows.ndim != 1 or (rows.dtype.kind not in "iu" and rows.size):
-        raise InputError(f"{place}: integers of shape (R,) expected, {rows.dtype} of shape {rows.shape} found")
+        raise InputError(f"{place}: {rows.dtype} of shape {rows.shape} is not allowed: integers of shape (R,)")
     if rows.size and (rows.min() < -count or rows.max() >= count):
         wrong = rows[(rows < -count) | (rows >= count)][0]
-        raise OutOfRangeError(f"{place}: {wrong} found, {_allowed(count)}")
+        raise OutOfRangeError(f"{place}: {wrong} is not allowed: {_allowed(count)}")
     rows = rows.astype(np.int64)
     return np.where(rows < 0, rows + count, rows)
 
 
 def _allowed(count: int) -> str:
-    return f"{-count} to {count - 1} allowed" if count else "but there are none"
+    return f"{-count} to {count - 1}" if count else "there are none"
 
 
 def groups(keys: Rows) -> Iterator[tuple[int, Any]]:

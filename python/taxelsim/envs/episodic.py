@@ -47,7 +47,7 @@ class EpisodicVectorEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]], ABC):
     def __init__(self, num_envs: int, autoreset_mode: AutoresetMode | str, render_mode: str | None) -> None:
         super().__init__()
         if render_mode not in (None, *self.metadata["render_modes"]):
-            raise InputError(f"render_mode: {render_mode!r} found, None and 'rgb_array' allowed")
+            raise InputError(f"render_mode: {render_mode!r} is not allowed: None and 'rgb_array'")
         self.render_mode = render_mode
         self.num_envs = checked_count("num_envs", num_envs)
         self.autoreset_mode = AutoresetMode(autoreset_mode)

@@ -39,7 +39,7 @@ class Reward:
         for name in ("lost_penalty", "force_penalty"):
             value = getattr(self, name)
             if not (np.isfinite(value) and value >= 0):
-                raise InputError(f"reward.{name}: {value} found, a finite number of at least 0 allowed")
+                raise InputError(f"reward.{name}: {value} is not allowed: a finite number of at least 0")
         if not self.widths:
             raise InputError("reward.widths: empty, at least one width allowed")
         for width in self.widths:

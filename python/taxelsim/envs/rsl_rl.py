@@ -21,7 +21,7 @@ class RslRlVecEnv(VecEnv):  # type: ignore[misc]
 
     def __init__(self, envs: TactileVectorEnv, device: str = "cpu", seed: int | None = None) -> None:
         if envs.autoreset_mode is not AutoresetMode.SAME_STEP:
-            raise InputError(f"autoreset_mode: {envs.autoreset_mode.value} found, SameStep allowed")
+            raise InputError(f"autoreset_mode: {envs.autoreset_mode.value} is not allowed: SameStep")
         self.envs, self.device = envs, device
         self.cfg: dict[str, Any] = {}
         self.num_envs = envs.num_envs

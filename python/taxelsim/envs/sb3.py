@@ -22,7 +22,7 @@ class StableBaselinesVecEnv(VecEnv):  # type: ignore[misc]
 
     def __init__(self, envs: EpisodicVectorEnv) -> None:
         if envs.autoreset_mode is not AutoresetMode.SAME_STEP:
-            raise InputError(f"autoreset_mode: {envs.autoreset_mode.value} found, SameStep allowed")
+            raise InputError(f"autoreset_mode: {envs.autoreset_mode.value} is not allowed: SameStep")
         self.envs = envs
         self.render_mode = envs.render_mode
         super().__init__(envs.num_envs, envs.single_observation_space, envs.single_action_space)

@@ -97,7 +97,7 @@ class TouchClassifyVectorEnv(EpisodicVectorEnv):
         device = device if isinstance(device, Device) else Device.open(device)
         self._model = Model(device, self.scene.sensor, self.scene.objects)
         if len(self.scene.sensor.patches) != 1:
-            raise InputError(f"{self.scene.file}: sensor: {len(self.scene.sensor.patches)} patches found, one grid allowed")
+            raise InputError(f"{self.scene.file}: sensor: {len(self.scene.sensor.patches)} patches are not allowed: one grid")
         draws_axes = render_mode is not None and self.scene.sensor.readout.three_axis is not None
         outputs = OutputOptions(penetration_depth=False, taxel_counts=draws_axes)
         self._simulator = Simulator(self._model, num_envs, outputs=outputs)

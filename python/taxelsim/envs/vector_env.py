@@ -67,7 +67,7 @@ class TactileVectorEnv(EpisodicVectorEnv):
     ) -> None:
         super().__init__(num_envs, autoreset_mode, render_mode)
         if not (np.isfinite(max_lost_time) and max_lost_time >= 0):
-            raise InputError(f"max_lost_time: {max_lost_time} found, a finite number of at least 0 allowed (s)")
+            raise InputError(f"max_lost_time: {max_lost_time} is not allowed: a finite number of at least 0 (s)")
         self.scene = scene if isinstance(scene, Scene) else _core.load_scene(os.fspath(scene))
         self._task = Task.of(self.scene)
         opened = device if isinstance(device, Device) else Device.open(device)

@@ -77,7 +77,7 @@ def feature_of(data: Dataset, columns: tuple[str, ...]) -> Feature:
     for name in columns:
         column = data[name]
         if not name.startswith("data/"):
-            raise InputError(f"{data.folder}: {name!r} found, a column in data/ is needed")
+            raise InputError(f"{data.folder}: {name!r} is not allowed: a column in data/")
         prefix = f"{short_name(name)}." if len(columns) > 1 or name not in _COMPONENTS else ""
         names += [prefix.rstrip(".") if part == "" else prefix + part for part in _components(column)]
     return Feature(columns, tuple(names))

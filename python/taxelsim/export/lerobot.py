@@ -217,7 +217,7 @@ def _checked_key(key: str, others: Collection[str]) -> str:
     """The name of the tactile image. The reader takes names with `image` for pictures, and allows no slash."""
     if not key.startswith("observation.") or "/" in key or "image" in key or key in others:
         raise InputError(
-            f"tactile_key: {key!r} found; observation.NAME expected, without a slash, `image`, and the name of another feature"
+            f"tactile_key: {key!r} is not allowed: observation.NAME, without a slash, `image`, and the name of another feature"
         )
     return key
 

@@ -81,7 +81,7 @@ def export(
 
 def _checked(format_name: str, options: Options) -> Format:
     if format_name not in FORMATS:
-        raise InputError(f"format: {format_name!r} found, allowed are {', '.join(FORMATS)}")
+        raise InputError(f"format: {format_name!r} is not allowed: {', '.join(FORMATS)}")
     chosen = FORMATS[format_name]
     for field in dataclasses.fields(Options):
         if field.name not in ("episodes", *chosen.options) and getattr(options, field.name) != field.default:
@@ -91,7 +91,7 @@ def _checked(format_name: str, options: Options) -> Format:
         if not options.video:
             raise InputError("range: needs video")
     if options.zarr_format not in (2, 3):
-        raise InputError(f"zarr_format: {options.zarr_format} found, 2 and 3 allowed")
+        raise InputError(f"zarr_format: {options.zarr_format} is not allowed: 2 and 3")
     return chosen
 
 

@@ -55,7 +55,7 @@ class Source:
         self.options = options
         first, last = options.episodes or (0, self.data.num_episodes - 1)
         if not 0 <= first <= last < self.data.num_episodes:
-            raise InputError(f"{self.data.folder}: episodes {first}..{last} found, 0..{self.data.num_episodes - 1} allowed")
+            raise InputError(f"{self.data.folder}: episodes {first}..{last} is not allowed: 0..{self.data.num_episodes - 1}")
         ends = self.data.episode_ends
         self._first_episode = first
         self._first_frame = int(ends[first - 1]) if first else 0
@@ -65,7 +65,7 @@ class Source:
         self.action = feature_of(self.data, (ACTION,)) if ACTION in self.data else None
         again = [name for name in options.columns if name in ("data/time", TACTILE_IMAGE, ACTION)]
         if again:
-            raise InputError(f"columns: {again[0]} found, which every export has")
+            raise InputError(f"columns: {again[0]} is not allowed: every export has it")
         columns = (*((TAXEL_COUNTS,) if TAXEL_COUNTS in self.data else ()), *options.columns)
         self.columns = {name: feature_of(self.data, (name,)) for name in columns}
         self.has_success = SUCCESS in self.data

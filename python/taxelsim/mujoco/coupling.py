@@ -88,7 +88,7 @@ class Coupling(Attachment):
         """options: of Simulator."""
         integrator = mujoco.mjtIntegrator(int(model.opt.integrator)).name.removeprefix("mjINT_")
         if integrator.lower() not in [name.lower() for name in INTEGRATORS]:
-            raise InputError(f"integrator {integrator} found; two-way coupling allows {', '.join(INTEGRATORS)}")
+            raise InputError(f"integrator {integrator} is not allowed: two-way coupling takes {', '.join(INTEGRATORS)}")
         for name, sensor in sensors.items():
             check_law(sensor, name)
         refuse_collisions(model, sites, geoms)

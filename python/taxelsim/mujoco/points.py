@@ -48,7 +48,7 @@ def _datas(model: Any, source: Any) -> list[Any]:
     datas = list(source) if isinstance(source, Sequence) else [source]
     for data in datas:
         if not isinstance(data, mujoco.MjData):
-            raise InputError(f"MjData, a sequence of MjData, or mujoco.batch.Batch expected, {type(data).__name__} found")
+            raise InputError(f"{type(data).__name__} is not allowed: MjData, a sequence of MjData, or mujoco.batch.Batch")
         if data.model.nsite != model.nsite or data.model.ngeom != model.ngeom:
             raise InputError(f"MjData of another model: {data.model.nsite} sites and {data.model.ngeom} geoms found")
     return datas

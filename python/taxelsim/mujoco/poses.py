@@ -86,7 +86,7 @@ class Kinematics:
     def _take_data(self, datas: Sequence[Any]) -> None:
         for data in datas:
             if not isinstance(data, mujoco.MjData):
-                raise InputError(f"MjData, a sequence of MjData, or mujoco.batch.Batch expected, {type(data).__name__} found")
+                raise InputError(f"{type(data).__name__} is not allowed: MjData, a sequence of MjData, or mujoco.batch.Batch")
             self._check(len(datas), data.model, "MjData")
         for row, data in zip(self.batch.state, datas, strict=True):
             mujoco.mj_getState(data.model, data, row, int(mujoco.mjtState.mjSTATE_INTEGRATION))

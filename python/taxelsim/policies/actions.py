@@ -73,7 +73,7 @@ def _twist(scene: Scene) -> _Components:
 def _joints(scene: Scene) -> _Components:
     joints = _core.joints_of(scene)
     if not joints:
-        raise InputError(f"{scene.file}: action: 'joint_velocities' found, but the robot of this scene has no joints; 'twist' allowed")
+        raise InputError(f"{scene.file}: action: 'joint_velocities' is not allowed: 'twist', as the robot of this scene has no joints")
     return {name: (is_revolute, max_velocity) for name, is_revolute, max_velocity in joints}
 
 

@@ -14,7 +14,7 @@ from ..errors import InputError
 def check_failures(scene: Scene, folder: Path, max_failures: int) -> None:
     """Raises InputError, before anything is simulated, if the failed episodes of the scene could not be kept in `folder`."""
     if max_failures < 1:
-        raise InputError(f"max_failures: {max_failures} found, at least 1 allowed")
+        raise InputError(f"max_failures: {max_failures} is not allowed: at least 1")
     if "tactile_image" not in scene.record:
         raise InputError(f"{scene.file}: record: tactile_image is missing, which `taxelsim render` needs to draw failed episodes")
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):

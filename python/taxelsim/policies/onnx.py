@@ -55,7 +55,7 @@ class OnnxPolicy:
         self._output = self._session.get_outputs()[0].name
         for tensor in self._inputs:
             if tensor.type not in _TYPES:
-                raise InputError(f"{path}: input {tensor.name!r}: {tensor.type} found, {', '.join(_TYPES)} allowed")
+                raise InputError(f"{path}: input {tensor.name!r}: {tensor.type} is not allowed: {', '.join(_TYPES)}")
         fixed = {tensor.shape[0] for tensor in self._inputs if tensor.shape and isinstance(tensor.shape[0], int)}
         if len(fixed) > 1:
             raise InputError(f"{path}: inputs have different batch sizes: {sorted(fixed)}")

@@ -65,7 +65,7 @@ def as_policy(policy: PolicyLike, **changes: Any) -> Policy:
     if isinstance(policy, Policy):
         return Policy(**{**vars(policy), **changes})
     if not callable(policy):
-        raise InputError(f"policy: a callable or the name of an ONNX file expected, {type(policy).__name__} found")
+        raise InputError(f"policy: {type(policy).__name__} is not allowed: a callable or the name of an ONNX file")
     return Policy(**{"function": policy, "name": getattr(policy, "__name__", "policy"), **changes})
 
 

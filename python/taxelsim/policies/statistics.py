@@ -50,7 +50,7 @@ def compare(name: str, successes: ArrayLike, control: str, control_successes: Ar
     """
     first, second = np.asarray(successes, bool), np.asarray(control_successes, bool)
     if first.shape != second.shape or first.ndim != 1 or not first.size:
-        raise InputError(f"successes: equal shapes (num_episodes,) expected, {first.shape} and {second.shape} found")
+        raise InputError(f"successes: shapes {first.shape} and {second.shape} are not allowed: equal ones, (num_episodes,)")
     n = first.size
     both, only, control_only = int((first & second).sum()), int((first & ~second).sum()), int((~first & second).sum())
     neither = n - both - only - control_only

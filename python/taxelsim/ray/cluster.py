@@ -40,7 +40,7 @@ class Workers:
     def needs(self) -> dict[str, float]:
         """Amount of each resource that a task takes. Raises InputError for values out of range."""
         if not self.cpus > 0 or not self.gpus >= 0:
-            raise InputError(f"workers: {self.cpus} processors and {self.gpus} GPUs found, more than 0 and at least 0 allowed")
+            raise InputError(f"workers: {self.cpus} processors and {self.gpus} GPUs are not allowed: more than 0 and at least 0")
         needs = {"CPU": self.cpus} | ({"GPU": self.gpus} if self.gpus else {})
         return needs | ({self.kind: 1.0} if self.kind else {})
 
@@ -68,7 +68,7 @@ def connected(address: str | None, num_cpus: int | None) -> Iterator[None]:
     Joining waits for Ray's own time limit. Raises InputError if no cluster answers at the address.
     """
     if num_cpus is not None and num_cpus < 1:
-        raise InputError(f"num_cpus: {num_cpus} found, at least 1 needed")
+        raise InputError(f"num_cpus: {num_cpus} is not allowed: at least 1")
     if num_cpus is not None and (address is not None or ray.is_initialized()):
         raise InputError("num_cpus: belongs to a local cluster, and this is another one")
     if ray.is_initialized():

@@ -63,7 +63,7 @@ def evaluate(
     names = as_names(controllers)
     for name in names:
         if name not in loaded.controllers:
-            raise InputError(f"controllers: {name} found, the scene has {', '.join(loaded.controllers)}")
+            raise InputError(f"controllers: {name} is not allowed: the scene has {', '.join(loaded.controllers)}")
     calls = policy_calls(policy, loaded)
     chosen = None if calls is None else calls.policy
     job = EpisodeJob(

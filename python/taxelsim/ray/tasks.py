@@ -38,10 +38,10 @@ _log = logging.getLogger("taxelsim")
 def check_tasks(task_seconds: float | None, max_retries: int, batch_size: int, num_slices: int) -> None:
     """Raises InputError for arguments out of range."""
     if task_seconds is not None and not 0 < task_seconds < math.inf:
-        raise InputError(f"task_seconds: {task_seconds} found, a finite number above 0 allowed")
+        raise InputError(f"task_seconds: {task_seconds} is not allowed: a finite number above 0")
     for name, value, least in (("max_retries", max_retries, 0), ("batch_size", batch_size, 1), ("num_slices", num_slices, 1)):
         if value < least:
-            raise InputError(f"{name}: {value} found, at least {least} allowed")
+            raise InputError(f"{name}: {value} is not allowed: at least {least}")
 
 
 def task_length(task_seconds: float | None, setup_seconds: float) -> float:

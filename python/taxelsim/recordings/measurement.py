@@ -41,7 +41,7 @@ class Measurement:
 def write_measurement(recording: Recording, what: Measurement, out: Path) -> Path:
     """Writes `out` (YAML), and the table next to it with the same name and .csv. Returns the table. Throws InputError and IoError."""
     if what.kind not in KINDS:
-        raise InputError(f"measurement: {what.kind!r} found, allowed are {', '.join(KINDS)}")
+        raise InputError(f"measurement: {what.kind!r} is not allowed: {', '.join(KINDS)}")
     if out.suffix != ".yaml":
         raise InputError(f"{out}: a file NAME.yaml expected")
     table = out.with_suffix(".csv")
@@ -51,11 +51,11 @@ def write_measurement(recording: Recording, what: Measurement, out: Path) -> Pat
     if not out.parent.is_dir():
         raise InputError(f"{out}: its folder {out.parent} does not exist")
     if what.time_unit not in TIME_UNITS:
-        raise InputError(f"time_unit: {what.time_unit!r} found, allowed are {', '.join(TIME_UNITS)}")
+        raise InputError(f"time_unit: {what.time_unit!r} is not allowed: {', '.join(TIME_UNITS)}")
     checked_positive("scale", what.scale)
     for key, value in what.keys.items():
         if len(value.splitlines()) != 1:
-            raise InputError(f"{key}: {value!r} found, one line expected")
+            raise InputError(f"{key}: {value!r} is not allowed: one line")
     sensor = load_sensor(what.sensor)
     columns = _table_of(recording, what, sensor)
     lines = [",".join(columns), *(",".join(f"{value:.10g}" for value in row) for row in np.stack(list(columns.values()), axis=1))]
@@ -80,7 +80,7 @@ def _table_of(recording: Recording, what: Measurement, sensor: Sensor) -> dict[s
         columns["time_s"] = times - times[0]
     for name, source in what.quantities.items():
         if name not in QUANTITIES:
-            raise InputError(f"column: {name!r} found, allowed are {', '.join(QUANTITIES)}")
+            raise InputError(f"column: {name!r} is not allowed: {', '.join(QUANTITIES)}")
         columns[name] = recording.column(source)
     names = _taxel_names(what.taxels, sensor)
     counts = {name: _counts(recording.column(source), what) for name, source in names.items()}
@@ -89,7 +89,7 @@ def _table_of(recording: Recording, what: Measurement, sensor: Sensor) -> dict[s
     if what.kind != "force_curve":
         return {**columns, **counts}
     if what.taxel is None or not 0 <= what.taxel < len(names):
-        raise InputError(f"taxel: {what.taxel} found, 0 to {len(names) - 1} needed for force_curve")
+        raise InputError(f"taxel: {what.taxel} is not allowed: 0 to {len(names) - 1} for force_curve")
     return {**columns, "taxel": np.full(len(next(iter(counts.values()))), float(what.taxel)), "counts": counts[list(names)[what.taxel]]}
 
 
@@ -106,7 +106,7 @@ def _filled(pattern: str, **values: int) -> str:
     try:
         name = pattern.format(**values)
     except (LookupError, ValueError) as error:
-        raise InputError(f"taxels: {pattern!r} found; {{{'}, {'.join(values)}}} allowed") from error
+        raise InputError(f"taxels: {pattern!r} is not allowed: {{{'}, {'.join(values)}}}") from error
     if name == pattern:
         raise InputError(f"taxels: {pattern!r} found; it names one column: use {{{'}, {'.join(values)}}}")
     return name

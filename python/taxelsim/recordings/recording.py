@@ -49,7 +49,7 @@ def read_csv(file: Path, delimiter: str = ",") -> Recording:
         raise InputError(f"{file}: column {next(name for name in names if names.count(name) > 1)!r} found twice")
     for (number, _), row in zip(numbered, rows, strict=True):
         if len(row) != len(names):
-            raise InputError(f"{file}:{number}: {len(row)} values found, {len(names)} expected as in the first line")
+            raise InputError(f"{file}:{number}: {len(row)} values are not allowed: {len(names)} as in the first line")
     columns = {}
     for index, name in enumerate(names):
         cells = [row[index] for row in rows[1:]]
@@ -58,11 +58,11 @@ def read_csv(file: Path, delimiter: str = ",") -> Recording:
         except ValueError:
             if _is_number(cells[0]):
                 wrong = next(row for row, cell in enumerate(cells) if not _is_number(cell))
-                raise InputError(f"{file}:{numbered[wrong + 1][0]}: {name}: {cells[wrong]!r} found, a number expected") from None
+                raise InputError(f"{file}:{numbered[wrong + 1][0]}: {name}: {cells[wrong]!r} is not allowed: a number") from None
             continue  # a column of texts
         if not np.isfinite(values).all():
             wrong = int(np.argmin(np.isfinite(values)))
-            raise InputError(f"{file}:{numbered[wrong + 1][0]}: {name}: {cells[wrong]!r} found, a finite number expected")
+            raise InputError(f"{file}:{numbered[wrong + 1][0]}: {name}: {cells[wrong]!r} is not allowed: a finite number")
         columns[name] = values
     return Recording(str(file), columns)
 

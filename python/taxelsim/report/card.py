@@ -27,7 +27,7 @@ _MARKUP = "\\`*_{}[]<>#|!~$"
 def checked_license(license_id: str) -> str:
     """`license_id` if the Hub could have a licence of that name, else InputError."""
     if _LICENSE.fullmatch(license_id) is None:
-        raise InputError(f"license: {license_id!r} found, an identifier such as cc-by-4.0 allowed")
+        raise InputError(f"license: {license_id!r} is not allowed: an identifier such as cc-by-4.0")
     return license_id
 
 

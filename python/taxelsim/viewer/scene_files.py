@@ -53,9 +53,9 @@ def scene_of(text: str, folders: Sequence[Path], origin: Path) -> tuple[Scene, s
             try:
                 name = json.loads(quoted) if quoted.startswith('"') else quoted
             except ValueError as error:
-                raise InputError(f"{origin}: scene: {key}: {quoted} found, the name of a file allowed") from error
+                raise InputError(f"{origin}: scene: {key}: {quoted} is not allowed: the name of a file") from error
             if not name or Path(name).name != name:
-                raise InputError(f"{origin}: scene: {key}: {name!r} found, the name of a file without a folder allowed")
+                raise InputError(f"{origin}: scene: {key}: {name!r} is not allowed: the name of a file without a folder")
             file = next((file for file in _candidates(name, [*folders, SCENES]) if sha256_of(file) == sha256), None)
             if key == "mesh":
                 is_found.append(file is not None)

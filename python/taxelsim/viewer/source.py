@@ -130,7 +130,7 @@ def open_source(
     numbers: of the episodes; None: the first ones. isolated: as Dataset(). range: counts of the brightest colour.
     """
     if numbers is not None and (not len(numbers) or len(set(numbers)) != len(numbers) or min(numbers) < 0):
-        raise InputError(f"episodes: {', '.join(map(str, numbers)) or 'none'} found, different numbers from 0 allowed")
+        raise InputError(f"episodes: {', '.join(map(str, numbers)) or 'none'} is not allowed: different numbers from 0")
     for folder in assets:
         if not folder.is_dir():
             raise InputError(f"{folder}: not a folder; assets names a folder with meshes of the scene")

@@ -144,11 +144,11 @@ def test_indices_out_of_range_are_index_errors(raw):
     data = taxelsim.Dataset(raw)
     windows = data.windows(13)
     for read, message in (
-        (lambda: data["data/time"][130], "raw: data/time: 130 found, -130 to 129 allowed"),
-        (lambda: data.frames([0, 7, -131]), "raw: frames: -131 found, -130 to 129 allowed"),
-        (lambda: data.episode(10), "raw: episode: 10 found, -10 to 9 allowed"),
-        (lambda: windows[10], "raw: windows: 10 found, -10 to 9 allowed"),
-        (lambda: data.windows(14)[0], "raw: windows: 0 found, but there are none"),
+        (lambda: data["data/time"][130], "raw: data/time: 130 is not allowed: -130 to 129"),
+        (lambda: data.frames([0, 7, -131]), "raw: frames: -131 is not allowed: -130 to 129"),
+        (lambda: data.episode(10), "raw: episode: 10 is not allowed: -10 to 9"),
+        (lambda: windows[10], "raw: windows: 10 is not allowed: -10 to 9"),
+        (lambda: data.windows(14)[0], "raw: windows: 0 is not allowed: there are none"),
     ):
         with pytest.raises(taxelsim.OutOfRangeError, match=message) as caught:
             read()
@@ -159,12 +159,12 @@ def test_indices_out_of_range_are_index_errors(raw):
 @pytest.mark.parametrize(
     ("indices", "message"),
     [
-        (1.5, r"integers of shape \(R,\) expected, float64 of shape \(\) found"),
-        ([1.0], r"integers of shape \(R,\) expected, float64"),
-        ("3", r"integers of shape \(R,\) expected, <U1"),
-        (np.zeros((2, 2), int), r"shape \(2, 2\) found"),
-        (np.ones(7, bool), r"mask of shape \(130,\) expected, \(7,\) found"),
-        (True, "integer expected, bool found"),
+        (1.5, r"float64 of shape \(\) is not allowed: integers of shape \(R,\)"),
+        ([1.0], r"float64 of shape \(1,\) is not allowed: integers of shape"),
+        ("3", r"<U1 of shape \(\) is not allowed: integers of shape"),
+        (np.zeros((2, 2), int), r"shape \(2, 2\) is not allowed"),
+        (np.ones(7, bool), r"a mask of shape \(7,\) is not allowed: \(130,\)"),
+        (True, "bool is not allowed: an integer"),
     ],
 )
 def test_wrong_indices_are_refused(raw, indices, message):
@@ -181,5 +181,5 @@ def test_wrong_sizes_are_refused(raw):
         (lambda: data.windows(4, 0), "stride"),
         (lambda: taxelsim.Dataset(raw, cache_bytes=0), "cache_bytes"),
     ):
-        with pytest.raises(taxelsim.InputError, match=f"{name}: 0 found, at least 1 allowed"):
+        with pytest.raises(taxelsim.InputError, match=f"{name}: 0 is not allowed: at least 1"):
             make()

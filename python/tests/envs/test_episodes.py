@@ -132,11 +132,11 @@ def test_reset_mask_starts_the_chosen_environments_and_leaves_the_others(make):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"reset_mask": [True, False]}, "NumPy array of bool expected, list found"),
-        ({"reset_mask": np.array([1, 0])}, "NumPy array of bool expected, int64 found"),
-        ({"reset_mask": np.array([True])}, r"shape \(2,\) expected, \(1,\) found"),
+        ({"reset_mask": [True, False]}, "list is not allowed: a NumPy array of bool"),
+        ({"reset_mask": np.array([1, 0])}, "int64 is not allowed: a NumPy array of bool"),
+        ({"reset_mask": np.array([True])}, r"shape \(1,\) is not allowed: \(2,\)"),
         ({"reset_mask": np.zeros(2, bool)}, "at least one"),
-        ({"mask": 1}, "'mask' found, only 'reset_mask' allowed"),
+        ({"mask": 1}, "'mask' is not allowed: only 'reset_mask'"),
     ],
 )
 def test_refuses_bad_options(make, options, message):
@@ -147,7 +147,13 @@ def test_refuses_bad_options(make, options, message):
 
 
 @pytest.mark.parametrize(
-    ("seed", "message"), [(-1, "-1 found"), (1.5, "integer expected, float"), ([1], "2 seeds expected, 1 found"), (2**64, "allowed")]
+    ("seed", "message"),
+    [
+        (-1, "-1 is not allowed"),
+        (1.5, "float is not allowed for environment 0: an integer"),
+        ([1], "1 seeds are not allowed: 2"),
+        (2**64, "allowed"),
+    ],
 )
 def test_refuses_bad_seeds(make, seed, message):
     with pytest.raises(taxelsim.InputError, match=message):

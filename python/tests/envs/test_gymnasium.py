@@ -71,9 +71,9 @@ def test_every_task_has_its_three_conditions(task):
 
 
 def test_unknown_task_and_condition_are_refused():
-    with pytest.raises(taxelsim.InputError, match="'Edge' found, allowed are EdgeFollow"):
+    with pytest.raises(taxelsim.InputError, match="'Edge' is not allowed: EdgeFollow"):
         task_arguments("Edge")
-    with pytest.raises(taxelsim.InputError, match="'seen' found, allowed are nominal"):
+    with pytest.raises(taxelsim.InputError, match="'seen' is not allowed: nominal"):
         task_arguments("EdgeFollow", "seen")
 
 

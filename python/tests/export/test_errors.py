@@ -24,17 +24,17 @@ def refused(folder, out, message, format_name="lerobot", **options):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"format_name": "csv"}, "format: 'csv' found, allowed are lerobot, zarr, robomimic, mcap"),
-        ({"episodes": (3, 10)}, r"episodes 3\.\.10 found, 0\.\.9 allowed"),
-        ({"episodes": (4, 3)}, r"episodes 4\.\.3 found"),
+        ({"format_name": "csv"}, "format: 'csv' is not allowed: lerobot, zarr, robomimic, mcap"),
+        ({"episodes": (3, 10)}, r"episodes 3\.\.10 is not allowed: 0\.\.9"),
+        ({"episodes": (4, 3)}, r"episodes 4\.\.3 is not allowed"),
         ({"columns": ("data/total_forc",)}, "no column 'data/total_forc'.*total_force"),
-        ({"columns": ("meta/load",)}, "'meta/load' found, a column in data/ is needed"),
+        ({"columns": ("meta/load",)}, "'meta/load' is not allowed: a column in data/"),
         ({"state": ("nothing",)}, "no column 'nothing'"),
-        ({"columns": ("data/tactile_image",)}, "columns: data/tactile_image found, which every export has"),
-        ({"tactile_key": "observation.tactile_image"}, "tactile_key: 'observation.tactile_image' found"),
-        ({"tactile_key": "observation.state"}, "tactile_key: 'observation.state' found"),
+        ({"columns": ("data/tactile_image",)}, "columns: data/tactile_image is not allowed: every export has it"),
+        ({"tactile_key": "observation.tactile_image"}, "tactile_key: 'observation.tactile_image' is not allowed"),
+        ({"tactile_key": "observation.state"}, "tactile_key: 'observation.state' is not allowed"),
         ({"zarr_format": 3}, "zarr_format: not an option of format lerobot"),
-        ({"zarr_format": 4, "format_name": "zarr"}, "zarr_format: 4 found, 2 and 3 allowed"),
+        ({"zarr_format": 4, "format_name": "zarr"}, "zarr_format: 4 is not allowed: 2 and 3"),
     ],
 )
 def test_wrong_options(folder, tmp_path, options, message):
@@ -139,4 +139,4 @@ def test_command(folder, tmp_path, capfd):
     assert capfd.readouterr().err == f"taxelsim export: {out}: exists; choose another output or remove it\n"
     with pytest.raises(SystemExit):
         main([*arguments[:-1], "5"])
-    assert "'5' found, a range such as 0..99 expected" in capfd.readouterr().err
+    assert "'5' is not allowed: a range such as 0..99" in capfd.readouterr().err

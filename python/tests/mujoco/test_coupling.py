@@ -248,7 +248,8 @@ def test_refused(device: taxelsim.Device) -> None:
     on = model_of(BOX, pad=pad, extra='<contact><exclude body1="pad" body2="object"/><pair geom1="base" geom2="box"/></contact>')
     assert "collide in MuJoCo as well" in message(on)
     assert (
-        message(model_of(BOX, options='integrator="RK4"')) == "integrator RK4 found; two-way coupling allows Euler, implicit, implicitfast"
+        message(model_of(BOX, options='integrator="RK4"'))
+        == "integrator RK4 is not allowed: two-way coupling takes Euler, implicit, implicitfast"
     )
     proximity = taxelsim.SCENES / "sensors/wts0614_proximity.yaml"
     assert "law proximity has no forces" in message(model_of(BOX), proximity)

@@ -63,7 +63,7 @@ def test_refused_input() -> None:
     model = model_of(PAD, BOX)
     with pytest.raises(taxelsim.InputError, match="site 'hand' is not in the model; it has 'palm'"):
         taxelsim.mujoco.points_of(model, mujoco.MjData(model), "hand")
-    with pytest.raises(taxelsim.InputError, match="expected, int found"):
+    with pytest.raises(taxelsim.InputError, match="int is not allowed: MjData"):
         taxelsim.mujoco.points_of(model, 3, "palm")
     with pytest.raises(taxelsim.InputError, match="MjData of another model"):
         taxelsim.mujoco.points_of(model, mujoco.MjData(model_of(PAD, BOX, '<body><geom size="1"/></body>')), "palm")

@@ -38,8 +38,8 @@ def json_of(arguments: list[str], capsys) -> dict:
     ("arguments", "message"),
     [
         (["--controller", "x"], "--controller x: not in this scene; it has servo"),
-        (["--actions", "v_x"], "shape (12, 1) expected, (12, 6) found"),
-        (["--observations", "sound"], "'sound' found, allowed are contact"),
+        (["--actions", "v_x"], "shape (12, 6) is not allowed: (12, 1)"),
+        (["--observations", "sound"], "'sound' is not allowed: contact"),
         (["--history", "2"], "input 'obs' has shape ['batch', 6], the observation ['batch', 12]"),
     ],
 )

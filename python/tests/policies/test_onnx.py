@@ -69,5 +69,5 @@ def test_refuses_files_that_are_no_networks(tmp_path):
 
 
 def test_refuses_what_is_no_policy():
-    with pytest.raises(taxelsim.InputError, match="a callable or the name of an ONNX file expected, int found"):
+    with pytest.raises(taxelsim.InputError, match="int is not allowed: a callable or the name of an ONNX file"):
         as_policy(3)

@@ -95,6 +95,6 @@ def test_command_prints_the_same_from_parts(device, tmp_path, capsys):
     output("--part", "2/2", "-o", out)  # found on disk
     assert "has another seed" in message("--part", "2/2", "-o", out, "--seed", "8")
     assert "--part: 3/2 is not K/N" in message("--part", "3/2", "-o", out)
-    assert "--episode-range: 6..12 found, the scene has episodes 0 to 11" in message("--episode-range", "6..12", "-o", out)
+    assert "--episode-range: 6..12 is not allowed: the scene has episodes 0 to 11" in message("--episode-range", "6..12", "-o", out)
     assert "--output: needs" in message("--part", "1/2")
     assert "--save-failures: not with" in message("--merge", out, "--save-failures", str(tmp_path / "failures"))

@@ -113,10 +113,10 @@ def test_exceptions_of_the_policy_pass_through(device, scene):
     ("change", "message"),
     [
         (lambda actions: np.where(np.arange(len(actions))[:, None] == 2, np.nan, actions), r"nan found in episode 2 \(instance 2\)"),
-        (lambda actions: actions.T, r"shape \(24, 6\) expected, \(6, 24\) found; did you mean"),
-        (lambda actions: actions[:, :3], r"shape \(24, 6\) expected, \(24, 3\) found"),
-        (lambda actions: actions.astype(int), "dtype int64 found"),
-        (lambda actions: None, "dtype object found"),
+        (lambda actions: actions.T, r"shape \(6, 24\) is not allowed: \(24, 6\); did you mean"),
+        (lambda actions: actions[:, :3], r"shape \(24, 3\) is not allowed: \(24, 6\)"),
+        (lambda actions: actions.astype(int), "dtype int64 is not allowed"),
+        (lambda actions: None, "dtype object is not allowed"),
     ],
 )
 def test_bad_actions_are_refused(device, scene, change, message):
@@ -237,7 +237,7 @@ def test_failures_that_cannot_be_kept_are_refused_before_the_evaluation(device, 
     for arguments, message in (
         ({"scene": scene, "save_failures": tmp_path / "full"}, "need a new or an empty directory"),
         ({"scene": blind, "save_failures": tmp_path / "new"}, "record: tactile_image is missing"),
-        ({"scene": scene, "save_failures": tmp_path / "new", "max_failures": 0}, "max_failures: 0 found, at least 1 allowed"),
+        ({"scene": scene, "save_failures": tmp_path / "new", "max_failures": 0}, "max_failures: 0 is not allowed: at least 1"),
         ({"scene": scene, "save_failures": tmp_path / "new", "policy": None}, "there is no policy"),
     ):
         with pytest.raises(taxelsim.InputError, match=message):

@@ -52,5 +52,5 @@ def test_paired_interval_covers_the_true_difference_in_95_percent(rates):
 
 
 def test_refuses_successes_of_different_episodes():
-    with pytest.raises(taxelsim.InputError, match=r"\(2,\) and \(3,\) found"):
+    with pytest.raises(taxelsim.InputError, match=r"\(2,\) and \(3,\) are not allowed"):
         compare("a", [True, False], "b", [True, False, True])

@@ -89,12 +89,12 @@ def test_what_a_policy_raises_continues_here(cluster, scene):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"controllers": ["none"]}, "controllers: none found, the scene has servo"),
+        ({"controllers": ["none"]}, "controllers: none is not allowed: the scene has servo"),
         ({"policy": lambda observation, lock=LOCK: observation}, "policy <lambda>: cannot be pickled: "),
         ({"policy": "missing.onnx"}, "missing.onnx: No such file"),
         ({"policy": lambda observation: observation[:, :1]}, r"all 2 nodes are refused"),
-        ({"task_seconds": float("inf")}, "task_seconds: inf found, a finite number above 0 allowed"),
-        ({"batch_size": 0}, "batch_size: 0 found, at least 1 allowed"),
+        ({"task_seconds": float("inf")}, "task_seconds: inf is not allowed: a finite number above 0"),
+        ({"batch_size": 0}, "batch_size: 0 is not allowed: at least 1"),
         ({"parts": __file__}, "parts: .*test_evaluate.py: File exists"),
     ],
 )

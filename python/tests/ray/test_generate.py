@@ -59,12 +59,12 @@ def test_all_nodes_of_another_kind_are_one_line(cluster, scene, begun):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"task_seconds": 0.0}, "task_seconds: 0.0 found, a finite number above 0 allowed"),
-        ({"max_retries": -1}, "max_retries: -1 found, at least 0 allowed"),
+        ({"task_seconds": 0.0}, "task_seconds: 0.0 is not allowed: a finite number above 0"),
+        ({"max_retries": -1}, "max_retries: -1 is not allowed: at least 0"),
         ({"workers": taxelsim.ray.Workers(cpus=0)}, "workers: 0 processors"),
         ({"address": "127.0.0.1:1"}, "address: 127.0.0.1:1 found, and this process is connected to a cluster already"),
         ({"num_cpus": 2}, "num_cpus: belongs to a local cluster"),
-        ({"num_cpus": 0}, "num_cpus: 0 found"),
+        ({"num_cpus": 0}, "num_cpus: 0 is not allowed"),
         ({"policy": lambda observation: observation}, "the identity is empty, which a data set needs"),
     ],
 )

@@ -106,7 +106,7 @@ def test_the_view_of_shards_that_are_elsewhere(device, scene, tmp_path):
     _core.write_view(elsewhere, scene.num_steps)
     assert (elsewhere / "dataset.h5").read_bytes() == (one / "dataset.h5").read_bytes()
     assert (elsewhere / "dataset.h5.sha256").read_bytes() == (one / "dataset.h5.sha256").read_bytes()
-    with pytest.raises(taxelsim.InputError, match="0 found, at least 1"):
+    with pytest.raises(taxelsim.InputError, match="0 is not allowed: at least 1"):
         _core.write_view(elsewhere, 0)
 
 

@@ -138,9 +138,9 @@ def test_the_program_reads_what_was_imported(tmp_path):
     [
         ("a,b\n", "a line of names and at least one row expected"),
         ("a,a\n1,2\n", "column 'a' found twice"),
-        ("a,b\n1,2\n# note\n3\n", r"raw\.csv:4: 1 values found, 2 expected"),
-        ("a,b\n1,2\n3,x\n", r"raw\.csv:3: b: 'x' found, a number expected"),
-        ("a,b\n1,nan\n", r"raw\.csv:2: b: 'nan' found, a finite number expected"),
+        ("a,b\n1,2\n# note\n3\n", r"raw\.csv:4: 1 values are not allowed: 2"),
+        ("a,b\n1,2\n3,x\n", r"raw\.csv:3: b: 'x' is not allowed: a number"),
+        ("a,b\n1,nan\n", r"raw\.csv:2: b: 'nan' is not allowed: a finite number"),
     ],
 )
 def test_damaged_tables(tmp_path, text, message):
@@ -152,18 +152,18 @@ def test_damaged_tables(tmp_path, text, message):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"kind": "photos"}, "measurement: 'photos' found, allowed are images"),
+        ({"kind": "photos"}, "measurement: 'photos' is not allowed: images"),
         ({"taxels": "taxel"}, r"taxels: 'taxel' found; it names one column: use \{row\}"),
-        ({"taxels": "{finger}"}, r"taxels: '\{finger\}' found; \{row\}, \{col\}, \{taxel\} allowed"),
+        ({"taxels": "{finger}"}, r"taxels: '\{finger\}' is not allowed: \{row\}, \{col\}, \{taxel\}"),
         ({"taxels": "x{taxel}"}, "no column 'x0'; it has observation.tactile.r0_c0"),
         ({"taxels": "r{row}_c{col}"}, "no column 'r0_c0'; did you mean observation.tactile.r0_c0 or observation.pad.r0_c0"),
         ({"taxels": "observation.tactil.r{row}_c{col}"}, "did you mean observation.tactile.r0_c0"),
         ({"time": "timestamp"}, "timestamp: row 3 is not later than the row before; choose one episode"),
-        ({"quantities": {"force": "f_z"}}, "column: 'force' found, allowed are x_m"),
-        ({"kind": "force_curve"}, "taxel: None found, 0 to 83 needed for force_curve"),
-        ({"scale": np.nan}, "scale: nan found"),
-        ({"time_unit": "h"}, "time_unit: 'h' found, allowed are s"),
-        ({"keys": {"load": "3\nsensor: x"}}, "load: .* found, one line expected"),
+        ({"quantities": {"force": "f_z"}}, "column: 'force' is not allowed: x_m"),
+        ({"kind": "force_curve"}, "taxel: None is not allowed: 0 to 83 for force_curve"),
+        ({"scale": np.nan}, "scale: nan is not allowed"),
+        ({"time_unit": "h"}, "time_unit: 'h' is not allowed: s"),
+        ({"keys": {"load": "3\nsensor: x"}}, "load: .* is not allowed: one line"),
     ],
 )
 def test_wrong_measurements(dataset, tmp_path, changes, message):

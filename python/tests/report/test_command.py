@@ -40,8 +40,8 @@ def test_writes_page_and_card(reported, tmp_path):
     ("arguments", "status", "message"),
     [
         (["{tmp}"], 2, "no data set: it has no dataset.yaml"),
-        (["{data}", "--max-frames", "0"], 2, "--max-frames: 0 found, at least 1 allowed"),
-        (["{data}", "--license", "my license"], 2, "license: 'my license' found, an identifier such as cc-by-4.0 allowed"),
+        (["{data}", "--max-frames", "0"], 2, "--max-frames: 0 is not allowed: at least 1"),
+        (["{data}", "--license", "my license"], 2, "license: 'my license' is not allowed: an identifier such as cc-by-4.0"),
         (["{data}", "-o", "{tmp}/none/report.html"], 1, "none/report.html: No such file or directory"),
     ],
 )

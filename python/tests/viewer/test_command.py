@@ -48,8 +48,8 @@ def test_saves_a_recording(viewed, tmp_path):
     ("arguments", "message"),
     [
         (["{data}", "--episode", "9"], "episode 9 is not in the data set, whose episodes are 0 to 3"),
-        (["{data}", "--episode", "-1"], "episodes: -1 found, different numbers from 0 allowed"),
-        (["{data}", "--episode", "1", "1"], "episodes: 1, 1 found, different numbers from 0 allowed"),
+        (["{data}", "--episode", "-1"], "episodes: -1 is not allowed: different numbers from 0"),
+        (["{data}", "--episode", "1", "1"], "episodes: 1, 1 is not allowed: different numbers from 0"),
         (["{tmp}"], "no data set: it has no dataset.yaml"),
         (["{tmp}/none.yaml"], "none.yaml"),
         (["{data}", "--episode", "0", "--assets", "{tmp}/none"], "none: not a folder; assets names a folder with meshes of the scene"),

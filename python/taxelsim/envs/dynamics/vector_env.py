@@ -107,7 +107,7 @@ class DynamicVectorEnv(EpisodicVectorEnv):
         super().__init__(num_envs, autoreset_mode, render_mode)
         checked_names("condition", condition, CONDITIONS)
         if not isinstance(shear, bool):
-            raise InputError(f"shear: {shear!r} found, True and False allowed")
+            raise InputError(f"shear: {shear!r} is not allowed: True and False")
         self.condition, self.shear = condition, shear
         self._names = checked_names("observations", observations, observed.OBSERVATIONS)
         self._is_dict = not isinstance(observations, str)
