@@ -254,9 +254,9 @@ class DatasetReader {
   const std::vector<std::uint64_t>& episodeEnds() const;    ///< (numEpisodes()), index of the frame after each episode.
   const std::vector<std::uint64_t>& missingShards() const;  ///< Numbers of the shards that are missing.
 
-  /// Checks a shard as read() does before its first row, except for its checksum: for a program that verifies the checksum and reads rows
-  /// by itself. HDF5 can read the columns of the manifest then without leaving the file. `contents`: in format 1, whether to compare all
-  /// columns with their SHA-256. Throws Error(kInput) for a broken shard, and for one that is not on disk.
+  /// Checks a shard as read() does before its first row, for a program that reads rows by itself. HDF5 can read the columns of the manifest
+  /// then without leaving the file. `contents`: whether to compare the file, or all columns of format 1, with their SHA-256. Throws
+  /// Error(kInput) for a broken shard, and for one that is not on disk.
   void checkShard(std::uint64_t shard, bool contents) const;
 
   /// Rows [first, first + count) of a column as bytes. Throws Error(kInput) for an unknown column, rows out of range or a broken shard.

@@ -85,10 +85,9 @@ void bindDataset(nb::module_& module) {
       .def_prop_ro(
           "episode_ends", [](const DatasetReader& self) { return arrayOf(self.episodeEnds()); },
           nb::sig("def episode_ends(self) -> numpy.typing.NDArray[typing.Any]"))
-      .def(
-          "check_shard", &DatasetReader::checkShard, "shard"_a, "contents"_a, nb::call_guard<WithoutGil>(),
-          "Checks a shard but for its checksum, so that HDF5 can read its columns without leaving the file. contents: in format 1, whether "
-          "to compare all columns with their SHA-256.")
+      .def("check_shard", &DatasetReader::checkShard, "shard"_a, "contents"_a, nb::call_guard<WithoutGil>(),
+           "Checks a shard, so that HDF5 can read its columns without leaving the file. contents: whether to compare the file, or all "
+           "columns of format 1, with their SHA-256.")
       .def("read", &readRows, "column"_a, "first"_a, "count"_a,
            nb::sig("def read(self, column: str, first: int, count: int) -> numpy.typing.NDArray[typing.Any]"),
            "Bytes of rows [first, first + count).")

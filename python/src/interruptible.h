@@ -19,15 +19,15 @@ namespace taxelsim::python {
 
 // Runs `run(on_progress, stop, calling_thread)` in a thread of its own, without the GIL, and returns its result.
 //
-// The calling thread calls `on_progress` (a Python callable or None) with the newest Progress, does the work that the run hands to
+// The calling thread calls `on_progress` (a Python callable or None) with the newest Report, does the work that the run hands to
 // `calling_thread`, and lets Python handle signals. If one of them raises, the run is stopped gracefully, `keep` takes the result of the
 // stopped run unless that failed, and then the exception continues.
-template <typename Result, typename Run, typename Keep>
+template <typename Result, typename Report = Progress, typename Run, typename Keep>
 Result runInterruptibly(const nb::object& on_progress, Run run, Keep keep) {
   constexpr std::chrono::milliseconds kPollInterval(50);
   std::atomic<bool> stop{false};
   std::mutex mutex;
-  std::optional<Progress> newest;
+  std::optional<Report> newest;
   CallingThread calling_thread;
   std::optional<Result> result;
   std::exception_ptr failure;
@@ -35,7 +35,7 @@ Result runInterruptibly(const nb::object& on_progress, Run run, Keep keep) {
   std::thread worker([&] {
     try {
       result.emplace(run(
-          [&](const Progress& progress) {
+          [&](const Report& progress) {
             const std::lock_guard lock(mutex);
             newest = progress;
           },
@@ -50,7 +50,7 @@ Result runInterruptibly(const nb::object& on_progress, Run run, Keep keep) {
   try {
     for (bool finished = false; !finished;) {
       const std::function<void()>* work = nullptr;
-      std::optional<Progress> progress;
+      std::optional<Report> progress;
       {
         const WithoutGil released;
         work = calling_thread.wait(kPollInterval);

@@ -1,9 +1,15 @@
 // taxelsim._core: the C++ library in Python. The package taxelsim adds checks of arrays and is what users import.
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/string_view.h>
+#include <nanobind/stl/vector.h>
 
+#include <filesystem>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "bind.h"
+#include "cli/python_table.h"
 #include "taxelsim/version.h"
 
 namespace taxelsim::python {
@@ -15,12 +21,19 @@ void routeConstructor(nb::handle cls) {
                        nb::name("__init__"), nb::scope(cls), nb::is_method());
 }
 
+// Paths, since arguments may be names of files that are not UTF-8.
+bool isPythonCommand(const std::vector<std::filesystem::path>& arguments) {
+  return !cli::pythonCommand(std::vector<std::string>(arguments.begin(), arguments.end())).empty();
+}
+
 }  // namespace
 }  // namespace taxelsim::python
 
 NB_MODULE(_core, module) {
   using namespace taxelsim::python;
   module.attr("version") = taxelsim::kVersion;
+  module.def("is_python_command", &isPythonCommand, nb::arg("arguments"),
+             "Whether the arguments of the command line are for a subcommand that is written in Python.");
   bindErrors(module);
   bindLog(module);
   bindPose(module);

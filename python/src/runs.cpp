@@ -2,12 +2,14 @@
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <optional>
 #include <tuple>
+#include <utility>
 
 #include "handles.h"
 #include "interruptible.h"
@@ -38,9 +40,18 @@ GenerateResult runGenerate(const DeviceHandle& device, const Scene& scene, const
   return runInterruptibly<GenerateResult>(on_progress, run, [](const GenerateResult&) {});
 }
 
-bool runFinish(const std::filesystem::path& directory) {
-  const auto run = [&](auto, const std::atomic<bool>& stop, CallingThread&) { return finishDataset(directory, {.stop = &stop}); };
-  return runInterruptibly<bool>(nb::none(), run, [](bool) {});
+// on_progress takes (verified, all) shards. Returns the number of shards.
+std::uint64_t runFinish(const std::filesystem::path& directory, const nb::object& on_progress) {
+  using Shards = std::pair<std::uint64_t, std::uint64_t>;
+  std::uint64_t num_shards = 0;
+  const auto run = [&](auto report, const std::atomic<bool>& stop, CallingThread&) {
+    const auto on_verify = [&](std::uint64_t num_verified, std::uint64_t num_found) {
+      report(Shards(num_verified, num_shards = num_found));
+    };
+    return finishDataset(directory, {.on_verify = on_verify, .stop = &stop});
+  };
+  runInterruptibly<bool, Shards>(on_progress, run, [](bool) {});
+  return num_shards;
 }
 
 // complete: list to which the complete evaluations of a run that is interrupted are appended.
@@ -127,7 +138,7 @@ void bindRuns(nb::module_& module) {
   bindEvaluation(module);
   module.def("generate", &runGenerate, "device"_a, "scene"_a, "directory"_a, "batch_size"_a, "num_slices"_a, "on_progress"_a.none(),
              "policy"_a.none(), "episodes"_a, "repair"_a, "shards"_a.none());
-  module.def("finish", &runFinish, "directory"_a);
+  module.def("finish", &runFinish, "directory"_a, "on_progress"_a = nb::none());
   module.def("evaluate", &runEvaluate, "device"_a, "scene"_a, "controllers"_a, "batch_size"_a, "num_slices"_a, "on_progress"_a.none(),
              "policy"_a.none(), "complete"_a);
 }

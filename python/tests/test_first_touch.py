@@ -24,6 +24,7 @@ import h5py
 import mujoco
 import numpy as np
 import pytest
+from taxelsim._pictures import EpisodePictures
 
 import taxelsim
 import taxelsim.envs
@@ -289,14 +290,12 @@ def test_all_pictures_of_a_data_set_have_one_scale(pressed_set: taxelsim.Dataset
     expected = range_of(pressed_set, TAXEL_COUNTS)
     assert expected == np.quantile(normal[normal > 30], 0.999, method="inverted_cdf")  # 30: ten standard deviations of the noise
 
-    def drawn(*arguments: object) -> bytes:
-        return subprocess.run([PROGRAM, "render", pressed_set.folder, *map(str, arguments)], check=True, capture_output=True).stdout
-
-    stream = "-o", "-", "--episode", 1
-    assert drawn(*stream) == drawn(*stream, "--range", expected) != drawn(*stream, "--range", 2 * expected)
+    pictures = [EpisodePictures(str(pressed_set.folder), 1, counts).draw(0) for counts in (0, expected, 2 * expected)]
+    assert (pictures[0] == pictures[1]).all()
+    assert (pictures[0] != pictures[2]).any()
     files = [tmp_path / name for name in ("default.png", "same.png", "other.png")]
     for file, options in zip(files, ([], ["--range", expected], ["--range", 2 * expected]), strict=True):
-        drawn("-o", file, *options)
+        subprocess.run([PROGRAM, "render", pressed_set.folder, "-o", file, *map(str, options)], check=True, capture_output=True)
     contents = [file.read_bytes() for file in files]
     assert contents[0] == contents[1] != contents[2]
     assert [summarize(pressed_set, range=given).range for given in (None, 5)] == [expected, 5]

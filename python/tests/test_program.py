@@ -5,8 +5,9 @@ import os
 import subprocess
 
 import pytest
+from taxelsim._core import is_python_command
 
-from taxelsim.program import PROGRAM, SUBCOMMANDS, is_python_command
+from taxelsim.program import PROGRAM
 
 
 @pytest.mark.parametrize(
@@ -26,21 +27,24 @@ from taxelsim.program import PROGRAM, SUBCOMMANDS, is_python_command
         (["finish", "out"], False),
         (["finish", "out", "--card"], True),
         (["view", "out"], True),
+        (["view", "\udcff"], True),  # a name that is not UTF-8
     ],
 )
 def test_is_python_command(arguments, expected):
     assert is_python_command(arguments) is expected
 
 
-@pytest.mark.parametrize("name", SUBCOMMANDS)
-def test_program_and_package_have_the_same_subcommands(tmp_path, name):
+@pytest.mark.parametrize(
+    "command", ["evaluate --policy", "finish --card", "render .mp4", "render .gif", "report x", "view x", "export x", "import x"]
+)
+def test_the_program_starts_python_for_the_subcommands_of_the_package(tmp_path, command):
+    name, word = command.split()
     assert callable(importlib.import_module(f"taxelsim.commands.{name}").main)
     (tmp_path / "python3").write_text('#!/bin/sh\n[ "$1" = -c ] && shift 3 && echo "$@"\n')  # prints the arguments
     (tmp_path / "python3").chmod(0o755)
-    for word in SUBCOMMANDS[name] or ("x",):
-        arguments = [name, word, "x"]
-        found = subprocess.run(
-            [PROGRAM, *arguments], capture_output=True, text=True, env={**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}"}
-        )
-        assert found.stdout.split() == arguments
+    arguments = [name, word, "x"]
+    found = subprocess.run(
+        [PROGRAM, *arguments], capture_output=True, text=True, env={**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}"}
+    )
+    assert found.stdout.split() == arguments
     assert name in subprocess.run([PROGRAM, "--help"], capture_output=True, text=True).stdout

@@ -18,7 +18,6 @@ from taxelsim.commands.running import run_command
         (taxelsim.DeviceError("no device"), 1, "taxelsim view: no device\n"),
         (BrokenPipeError("pipe"), 1, "taxelsim view: pipe\n"),
         (KeyboardInterrupt(), 130, ""),
-        (subprocess.CalledProcessError(7, "x"), 7, ""),
     ],
 )
 def test_an_error_is_one_line_and_a_status(capsys, error, status, text):

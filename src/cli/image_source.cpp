@@ -4,7 +4,7 @@
 #include <functional>
 #include <numeric>
 
-#include "cli/scene_name.h"
+#include "figures/frame_figures.h"
 #include "scene/sensor_file.h"
 #include "taxelsim/dataset.h"
 #include "taxelsim/error.h"
@@ -37,7 +37,7 @@ ImageSource loadDataSet(const std::filesystem::path& directory) {
   const auto column = std::find_if(manifest.columns.begin(), manifest.columns.end(), [](const Column& c) { return c.name == kImage; });
   if (column == manifest.columns.end()) throw Error(ErrorKind::kInput, directory.string() + ": no column " + kImage);
   if (reader.numFrames() == 0) throw Error(ErrorKind::kInput, directory.string() + ": no frames");
-  ImageSource source{.file = directory.string(), .name = sceneName(manifest), .sensor = sensorOf(manifest), .images = {}};
+  ImageSource source{.file = directory.string(), .name = figures::sceneName(manifest), .sensor = sensorOf(manifest), .images = {}};
   source.images.num_taxels = std::accumulate(column->shape.begin(), column->shape.end(), std::size_t{1}, std::multiplies<>());
   if (source.sensor && source.images.num_taxels != static_cast<std::size_t>(numTaxels(*source.sensor))) {
     throw Error(ErrorKind::kInput, directory.string() + ": has several sensors per instance, whose images cannot be compared");

@@ -1,7 +1,6 @@
 // `taxelsim inspect`: prints the contents of a data set and verifies its checksums.
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/fmt/ranges.h>
-#include <yaml-cpp/yaml.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -14,8 +13,8 @@
 #include "base/text.h"
 #include "cli/commands.h"
 #include "cli/print.h"
-#include "cli/scene_name.h"
 #include "cli/shard_sample.h"
+#include "figures/frame_figures.h"
 #include "figures/text.h"
 #include "taxelsim/dataset.h"
 #include "taxelsim/error.h"
@@ -309,16 +308,6 @@ int runInspect(const InspectArguments& arguments) {
 }
 
 }  // namespace
-
-std::string sceneName(const Manifest& manifest) {
-  try {
-    const YAML::Node name = YAML::Load(manifest.scene)["name"];
-    if (name && name.IsScalar()) return name.as<std::string>();
-  } catch (const YAML::Exception&) {
-    return "-";  // the checksum was right; only the name is unknown
-  }
-  return "-";
-}
 
 void addInspect(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("inspect", "Print the contents of a data set and verify its checksums");

@@ -37,7 +37,7 @@ const std::map<std::string, spdlog::level::level_enum> kLogLevels{{"trace", spdl
 }
 
 int run(int argc, char** argv) {
-  if (isPythonCommand(argc, argv)) runInPython(argc, argv);
+  runInPython(argc, argv);
   CLI::App app{"Simulates arrays of tactile sensing elements on the GPU, thousands of sensors at once.", "taxelsim"};
   app.set_version_flag("--version", std::string("taxelsim ") + kVersion);
   app.require_subcommand(1);

@@ -3,53 +3,18 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <csignal>
 #include <cstdlib>
 #include <sstream>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "base/text.h"
+#include "cli/python_table.h"
 #include "taxelsim/error.h"
 
 namespace taxelsim::cli {
 namespace {
-
-struct PythonSubcommand {
-  const char* name;
-  // With one of these words only: an option, or the end of a file name. None: always.
-  std::array<std::string_view, 2> words;
-  const char* description;  // empty if the subcommand exists in C++ as well
-};
-
-constexpr std::array kPythonSubcommands{
-    PythonSubcommand{.name = "evaluate", .words = {"--policy"}, .description = ""},
-    PythonSubcommand{.name = "finish", .words = {"--card"}, .description = ""},
-    PythonSubcommand{.name = "render", .words = {".mp4", ".gif"}, .description = ""},
-    PythonSubcommand{.name = "report", .words = {}, .description = "Write a data set as a page of HTML, or its card"},
-    PythonSubcommand{.name = "view", .words = {}, .description = "Show episodes of a data set or a scene in the viewer Rerun"},
-    PythonSubcommand{.name = "export", .words = {}, .description = "Write a data set for LeRobot, Zarr, robomimic or ROS 2"},
-    PythonSubcommand{.name = "import", .words = {}, .description = "Make a measurement from a recording: CSV, LeRobot"},
-};
-
-bool isMatch(std::string_view argument, std::string_view word) {
-  return !word.empty() && (word.starts_with('.') ? argument.ends_with(word) : argument.substr(0, argument.find('=')) == word);
-}
-
-// The argument that one of the subcommand's words matches; argv + argc without.
-const char* const* findWord(const PythonSubcommand& subcommand, int argc, const char* const* argv) {
-  return std::find_if(argv + 2, argv + argc, [&](std::string_view argument) {
-    return std::any_of(subcommand.words.begin(), subcommand.words.end(), [&](std::string_view word) { return isMatch(argument, word); });
-  });
-}
-
-// Whether the first word of the command line names it, with one of its words.
-bool isChosen(const PythonSubcommand& subcommand, int argc, const char* const* argv) {
-  return argc >= 2 && argv[1] == std::string_view(subcommand.name) &&
-         (subcommand.words[0].empty() || findWord(subcommand, argc, argv) != argv + argc);
-}
 
 // Runs the package. argv[1] is what to say where it is not installed. `python3 -m` and `python3 -c` put the current folder first in the
 // path; files of a stranger's data set must not replace modules.
@@ -93,17 +58,11 @@ void addPythonSubcommands(CLI::App& app, Action& action) {
   }
 }
 
-bool isPythonCommand(int argc, const char* const* argv) {
-  return std::any_of(kPythonSubcommands.begin(), kPythonSubcommands.end(),
-                     [&](const PythonSubcommand& subcommand) { return isChosen(subcommand, argc, argv); });
-}
-
 void runInPython(int argc, char** argv) {
-  const auto chosen = std::find_if(kPythonSubcommands.begin(), kPythonSubcommands.end(),
-                                   [&](const PythonSubcommand& subcommand) { return isChosen(subcommand, argc, argv); });
-  std::string subcommand = argv[1];
-  if (const char* const* word = findWord(*chosen, argc, argv); word != argv + argc) subcommand += " " + std::string(*word);
-  const std::string problem = messageLine(subcommand +
+  const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
+  const std::string command = pythonCommand(arguments);
+  if (command.empty()) return;
+  const std::string problem = messageLine(command +
                                           " needs the Python package taxelsim, which python3 does not find: pip install . in a virtual "
                                           "environment (docs/python.md)");
   const std::string line = "taxelsim: " + problem;

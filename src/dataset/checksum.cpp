@@ -117,17 +117,21 @@ std::string readChecksum(const std::filesystem::path& file) {
   return digest;
 }
 
-std::string verifyChecksum(const std::filesystem::path& file, const std::atomic<bool>* stop) {
-  VerifiedFiles& verified = VerifiedFiles::instance();
-  if (std::string known = verified.find(file); !known.empty()) return known;
-  const std::string digest = readChecksum(file);
-  std::error_code error;
-  const std::optional<FileStamp> before = std::filesystem::exists(file, error) ? std::optional(stampOf(file)) : std::nullopt;
-  const std::int64_t started = fileSystemTime();
-  const std::string found = sha256File(file, stop);
+std::string compareChecksum(const std::filesystem::path& file, const std::atomic<bool>* stop) {
+  const std::string digest = readChecksum(file), found = sha256File(file, stop);
   if (found != digest)
     throw Error(ErrorKind::kInput, file.string() + ": its SHA-256 is " + found + ", not " + digest + " as in " +
                                        checksumFile(file).filename().string() + ": the file was changed");
+  return digest;
+}
+
+std::string verifyChecksum(const std::filesystem::path& file, const std::atomic<bool>* stop) {
+  VerifiedFiles& verified = VerifiedFiles::instance();
+  if (std::string known = verified.find(file); !known.empty()) return known;
+  std::error_code error;
+  const std::optional<FileStamp> before = std::filesystem::exists(file, error) ? std::optional(stampOf(file)) : std::nullopt;
+  const std::int64_t started = fileSystemTime();
+  const std::string digest = compareChecksum(file, stop);
   // A change within the tick of the clock of files in which it was read would not be seen.
   if (before && before->changed < started && stampOf(file) == *before) verified.add(file, *before, digest);
   return digest;

@@ -34,8 +34,11 @@ void removeWithChecksum(const std::filesystem::path& file);
 // The digest in the checksum file of `file`. Throws Error(kInput) if there is none, or not a line of sha256sum for the file.
 std::string readChecksum(const std::filesystem::path& file);
 
-// Compares a file with its checksum file, unless this process has done so since the file last changed. Returns the digest. Thread-safe.
-// Throws Error(kInput) unless the file is a regular file with that digest, and Stopped as sha256File() does.
+// Compares a file with its checksum file. Returns the digest. Throws Error(kInput) unless the file is a regular file with that digest, and
+// Stopped as sha256File() does.
+std::string compareChecksum(const std::filesystem::path& file, const std::atomic<bool>* stop = nullptr);
+
+// The same, unless this process has done so since the file last changed. Thread-safe.
 std::string verifyChecksum(const std::filesystem::path& file, const std::atomic<bool>* stop = nullptr);
 
 }  // namespace taxelsim::dataset

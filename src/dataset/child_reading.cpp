@@ -70,7 +70,8 @@ std::uint64_t addressSpace() {
 
 void limitThisProcess(std::uint64_t max_address_space, std::uint64_t max_seconds) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  for (const int signal : {SIGINT, SIGTERM, SIGSEGV, SIGBUS, SIGABRT}) std::signal(signal, SIG_DFL);
+  std::signal(SIGINT, SIG_IGN);  // Ctrl-C is for the parent, and is no fault of the file
+  for (const int signal : {SIGTERM, SIGSEGV, SIGBUS, SIGABRT}) std::signal(signal, SIG_DFL);
   const auto limit = [](__rlimit_resource resource, std::uint64_t value) {
     const rlimit both{value, value};
     ::setrlimit(resource, &both);

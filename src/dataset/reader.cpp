@@ -224,6 +224,7 @@ const std::vector<std::uint64_t>& DatasetReader::missingShards() const {
 void DatasetReader::checkShard(std::uint64_t number, bool contents) const {
   const auto shard = std::ranges::find(impl_->shards, number, [](const Impl::Shard& one) { return one.source.shard; });
   if (shard == impl_->shards.end()) throw Error(ErrorKind::kInput, shardName(number) + ": the data set has no such shard");
+  if (contents && impl_->manifest.format_version > 1) compareChecksum(shard->source.file);
   impl_->compareEnds(*shard, checkShardContents({&shard->source, 1}, impl_->manifest, contents, impl_->isolation).front());
 }
 

@@ -2,9 +2,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <cerrno>
 #include <cmath>
-#include <cstdint>
 #include <cstring>
 #include <span>
 #include <system_error>
@@ -83,21 +81,22 @@ void Canvas::save(const std::filesystem::path& file) const {
   writeFileAtomically(file, std::as_bytes(std::span(png)));
 }
 
-void Canvas::appendPpm(std::FILE* stream, const std::string& comment) const {
+Pixels Canvas::pixels() const {
   cairo_surface_flush(surface_.get());
-  const int width = cairo_image_surface_get_width(surface_.get()), height = cairo_image_surface_get_height(surface_.get());
-  std::string bytes = fmt::format("P6\n# {}\n{} {}\n255\n", comment, width, height);
-  bytes.reserve(bytes.size() + std::size_t{3} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-  for (int y = 0; y < height; ++y) {
-    const unsigned char* const row = cairo_image_surface_get_data(surface_.get()) + y * cairo_image_surface_get_stride(surface_.get());
-    for (int x = 0; x < width; ++x) {
+  Pixels pixels{.width = static_cast<std::size_t>(cairo_image_surface_get_width(surface_.get())),
+                .height = static_cast<std::size_t>(cairo_image_surface_get_height(surface_.get())),
+                .values = {}};
+  pixels.values.reserve(3 * pixels.width * pixels.height);
+  const auto stride = static_cast<std::size_t>(cairo_image_surface_get_stride(surface_.get()));
+  for (std::size_t y = 0; y < pixels.height; ++y) {
+    const unsigned char* const row = cairo_image_surface_get_data(surface_.get()) + y * stride;
+    for (std::size_t x = 0; x < pixels.width; ++x) {
       std::uint32_t pixel = 0;  // 0x00rrggbb
-      std::memcpy(&pixel, row + sizeof(pixel) * static_cast<std::size_t>(x), sizeof(pixel));
-      for (const int shift : {16, 8, 0}) bytes += static_cast<char>(pixel >> shift & 255);
+      std::memcpy(&pixel, row + sizeof(pixel) * x, sizeof(pixel));
+      for (const int shift : {16, 8, 0}) pixels.values.push_back(static_cast<std::uint8_t>(pixel >> shift));
     }
   }
-  if (std::fwrite(bytes.data(), 1, bytes.size(), stream) != bytes.size() || std::fflush(stream) != 0)
-    throw Error(ErrorKind::kIo, std::string("cannot write a picture to standard output: ") + std::strerror(errno));
+  return pixels;
 }
 
 double headingRoom(const std::string& subtitle) {

@@ -5,7 +5,8 @@
 #include <cairo.h>
 
 #include <array>
-#include <cstdio>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -30,6 +31,11 @@ inline constexpr double kMargin = 24, kGutter = 26;
 inline constexpr double kHeading = 17, kBody = 11, kSmall = 9.5;  // sizes of type
 inline constexpr double kLargestSide = 30000;                     // pixels; the limit of Cairo's image surfaces is 32767
 
+struct Pixels {
+  std::size_t width = 0, height = 0;
+  std::vector<std::uint8_t> values;  // (height x width x 3): red, green, blue
+};
+
 class Canvas {
  public:
   // Throws Error(kInput) if the page is larger than Cairo supports.
@@ -51,9 +57,7 @@ class Canvas {
   // Writes a PNG, whole or not at all. Throws Error(kIo) if the file cannot be written.
   void save(const std::filesystem::path& file) const;
 
-  // Appends a binary portable pixmap (PPM) to a stream, with a comment of one line in its header. Throws Error(kIo) if it cannot be
-  // written.
-  void appendPpm(std::FILE* stream, const std::string& comment) const;
+  Pixels pixels() const;
 
  private:
   std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)> surface_;

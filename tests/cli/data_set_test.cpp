@@ -3,7 +3,9 @@
 
 #include "cli/command_line.h"
 #include "cli/pressed_pad.h"
+#include "figures/frame_figures.h"
 #include "support/test.h"
+#include "taxelsim/error.h"
 
 namespace taxelsim::testing {
 namespace {
@@ -190,41 +192,20 @@ TEST_F(DataSet, RenderNamesTheObject) {
   EXPECT_GT(content(at("c.png")).size(), kBlankPicture);
 }
 
-// A stream of pictures of one size and one colour scale, which a picture of one frame does not have.
-TEST_F(DataSet, RenderStreamsAnEpisode) {
+// Of one size and one colour scale, which a picture of one frame does not have.
+TEST_F(DataSet, FramesOfAnEpisodeAreDrawnOneByOne) {
   writePressedPad(at("d"));
-  const auto timesOf = [&](std::vector<std::string> options) {
-    options.insert(options.begin(), {"render", at("d"), "-o", "-", "--episode", "3"});
-    const Outcome outcome = succeed(options);
-    std::vector<std::string> times;
-    std::size_t place = 0;
-    std::string size;
-    while (place < outcome.out.size()) {
-      std::istringstream header(outcome.out.substr(place, 100));
-      std::string magic, time, found, depth;
-      std::getline(header, magic), std::getline(header, time), std::getline(header, found), std::getline(header, depth);
-      EXPECT_EQ(magic + depth, "P6255");
-      EXPECT_TRUE(size.empty() || size == found) << size << ", " << found;
-      size = found;
-      times.push_back(time);
-      int width = 0, height = 0;
-      std::istringstream(size) >> width >> height;
-      EXPECT_GT(width * height, 0);
-      place += static_cast<std::size_t>(header.tellg()) + std::size_t{3} * static_cast<std::size_t>(width * height);
-    }
-    EXPECT_EQ(place, outcome.out.size()) << "no byte is missing or left over";
-    return times;
-  };
-  EXPECT_EQ(timesOf({}), (std::vector<std::string>{"# time 0", "# time 0.01", "# time 0.02"}));
-  EXPECT_EQ(timesOf({"--rate", "100"}), timesOf({}));
-  EXPECT_EQ(timesOf({"--rate", "50"}), (std::vector<std::string>{"# time 0", "# time 0.02"}));
-  EXPECT_EQ(timesOf({"--rate", "99"}), timesOf({"--rate", "50"})) << "at most so many";
-  EXPECT_EQ(timesOf({"--rate", "1e-300"}), (std::vector<std::string>{"# time 0"}));
+  figures::FrameFigures figures({.directory = at("d"), .episode = 3});
+  EXPECT_EQ(figures.times(), (std::vector<double>{0, 0.01, 0.02}));
+  const figures::Pixels last = figures.pictureOf(2).pixels(), first = figures.pictureOf(0).pixels();
+  EXPECT_EQ(last.values.size(), 3 * last.width * last.height);
+  EXPECT_EQ(std::pair(first.width, first.height), std::pair(last.width, last.height));
+  EXPECT_NE(first.values, last.values);
+  EXPECT_EQ(figures.figureOf({2}).pixels().values, last.values);
+  EXPECT_EQ(figures::FrameFigures({.directory = at("d")}).pictureOf(3 * 3 + 2).pixels().values, last.values) << "the same frame";
 
-  expectRefused(runTaxelsim({"render", at("d"), "-o", "-"}), "--output -: needs --episode");
   writePressedPad(at("bare"), {.features = false});
-  expectRefused(runTaxelsim({"render", at("bare"), "-o", "-", "--episode", "0"}), "no column data/time");
-  expectRefused(runTaxelsim({"render", at("d"), "-o", "-", "--episode", "0", "--rate", "0"}), "--rate");
+  EXPECT_THROW(figures::FrameFigures({.directory = at("bare"), .episode = 0}).times(), Error);
 }
 
 TEST_F(DataSet, RenderWorksWithoutFeaturesAndWithoutGrid) {

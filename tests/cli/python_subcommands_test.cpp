@@ -1,4 +1,4 @@
-// Subcommands that are written in Python: `evaluate --policy` stands for all. python/tests/test_program.py compares the tables.
+// Subcommands that are written in Python: `evaluate --policy` stands for all, which python/tests/test_program.py has.
 #include "cli/command_line.h"
 #include "support/test.h"
 

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import argparse
-import subprocess
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..program import PROGRAM
+from .. import _core
+from .._log import logger
+from ..progress_line import ProgressLine
 from ..report.card import CARD, checked_license, write_card
 from .running import run_command
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Runs the subcommand. Returns the exit status of run_command(), or that of the program that completes the data set."""
+    """Runs the subcommand. Returns the exit status of run_command()."""
     options = _parser().parse_args(arguments)
     return run_command("finish", lambda: _run(options))
 
@@ -30,6 +31,14 @@ def _parser() -> argparse.ArgumentParser:
 
 def _run(options: argparse.Namespace) -> None:
     checked_license(options.license)
-    subprocess.run([PROGRAM, "finish", options.folder], check=True)
+    progress = ProgressLine("shards")
+    try:
+        num_shards = _core.finish(options.folder, lambda shards: progress.show(*shards))
+    except KeyboardInterrupt:
+        logger.warning("stopped before the shards in %s were verified", options.folder)
+        raise
+    finally:
+        progress.end()
+    print(f"{options.folder}: {num_shards:,} shards verified, dataset.h5 and dataset.checksums written")
     is_written = write_card(options.folder, options.license, options.assets)
     print(f"{options.folder / CARD}: {'written' if is_written else 'exists and stays as it is'}")

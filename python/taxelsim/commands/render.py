@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 import argparse
-import itertools
-import subprocess
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
-
+from .._arguments import checked_positive
+from .._pictures import EpisodePictures
 from ..errors import InputError
-from ..program import PROGRAM
-from ..video import MAX_RATES, Picture, check_video, save_video
+from ..video import MAX_RATES, check_video, save_video
 from .running import run_command
+
+_ROUNDING = 1e-6  # relative, of the time between two frames
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Runs the subcommand. Returns the exit status of run_command(), or that of the program that draws the pictures."""
+    """Runs the subcommand. Returns the exit status of run_command()."""
     options = _parser().parse_args(arguments)
     return run_command("render", lambda: _run(options))
 
@@ -34,34 +34,21 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _run(options: argparse.Namespace) -> None:
-    if not 0 < options.speed < float("inf"):
-        raise InputError(f"--speed: {options.speed} is not allowed: a finite number above 0")
+    speed = checked_positive("--speed", options.speed)
+    scale = 0.0 if options.range is None else checked_positive("--range", options.range)
+    if not 0 <= options.episode < 1 << 64:
+        raise InputError(f"--episode {options.episode}: {options.folder} has no such episode")
     check_video(options.output)
-    rate = MAX_RATES[options.output.suffix] / options.speed  # per second of the episode
-    command = [str(PROGRAM), "render", options.folder, f"--episode={options.episode}", "--output=-", f"--rate={rate!r}"]
-    if options.range is not None:
-        command.append(f"--range={options.range!r}")
-    with subprocess.Popen(command, stdout=subprocess.PIPE) as program:
-        pictures = _pictures(program)
-        first = list(itertools.islice(pictures, 2))
-        if len(first) < 2:
-            raise InputError(f"--episode {options.episode}: shows one frame, which is no video; -o FILE.png draws it")
-        seconds = (first[1][0] - first[0][0]) / options.speed
-        if not seconds > 0:
-            raise InputError(f"{options.folder}: data/time of episode {options.episode} does not increase")
-        count = save_video(options.output, (picture for _, picture in itertools.chain(first, pictures)), 1 / seconds)
+    pictures = EpisodePictures(options.folder, options.episode, scale)
+    times = pictures.times()
+    step = times[1] - times[0] if len(times) > 1 else math.inf
+    if not step > 0:
+        raise InputError(f"{options.folder}: data/time of episode {options.episode} does not increase")
+    # Every n-th frame, so that players leave out none.
+    stride = max(1, math.ceil(min(speed / MAX_RATES[options.output.suffix] / step * (1 - _ROUNDING), len(times))))
+    frames = range(0, len(times), stride)
+    if len(frames) < 2:
+        raise InputError(f"--episode {options.episode}: shows one frame, which is no video; -o FILE.png draws it")
+    seconds = (times[stride] - times[0]) / speed
+    count = save_video(options.output, map(pictures.draw, frames), 1 / seconds)
     print(f"{options.output}: {count} frames, {count * seconds:.3g} s")
-
-
-def _pictures(program: subprocess.Popen[bytes]) -> Iterator[tuple[float, Picture]]:
-    """Times, s, and pictures that the program writes as PPM. Raises CalledProcessError if it fails, also half way."""
-    stream = program.stdout
-    assert stream is not None
-    while (header := [stream.readline() for _ in range(4)])[-1].endswith(b"\n"):  # P6, # time T, WIDTH HEIGHT, 255
-        width, height = map(int, header[2].split())
-        pixels = stream.read(3 * width * height)
-        if len(pixels) < 3 * width * height:
-            break
-        yield float(header[1].split()[-1]), np.frombuffer(pixels, np.uint8).reshape(height, width, 3)
-    if program.wait() != 0:
-        raise subprocess.CalledProcessError(program.returncode, program.args)

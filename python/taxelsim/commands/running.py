@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import subprocess
 import sys
 from collections.abc import Callable
 
@@ -15,8 +14,7 @@ from ..errors import Error, InputError
 def run_command(name: str, run: Callable[[], int | None]) -> int:
     """Runs the subcommand `name` and returns its exit status: what `run` returns, None for 0.
 
-    2 for bad input and for a package that is not installed, 1 for other errors, 130 after Ctrl-C; that of a program which `run` started and
-    which has said why it failed (CalledProcessError).
+    2 for bad input and for a package that is not installed, 1 for other errors, 130 after Ctrl-C.
     """
     logging.basicConfig(handlers=[stderr_handler()])
     try:
@@ -24,8 +22,6 @@ def run_command(name: str, run: Callable[[], int | None]) -> int:
         return run() or 0
     except KeyboardInterrupt:
         return 130
-    except subprocess.CalledProcessError as error:
-        return error.returncode
     except (Error, ImportError, OSError) as error:
         print(f"taxelsim {name}: {error}", file=sys.stderr)
         return 2 if isinstance(error, InputError | ImportError) else 1

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..errors import InputError, IoError
-from .checksums import is_verified, remember, stamp_of, verify
+from .checksums import is_verified, remember, stamp_of
 from .layout import HDF5_ERRORS, ColumnInfo, Layout, open_file
 from .rows import Rows, groups
 
@@ -57,13 +57,9 @@ class Shard:
         if not self._file.is_file():
             problem = "is not a regular file" if self._file.exists() else "the shard is missing; run generate again to write it"
             raise InputError(f"{self._file}: {problem}")
-        if layout.attributes["format_version"] > 1:
-            verify(self._file)
-            reader.check_shard(number, contents=False)
-        else:
-            stamp = stamp_of(self._file)
-            reader.check_shard(number, contents=not is_verified(self._file))
-            remember({os.fspath(self._file): stamp})
+        stamp = stamp_of(self._file)
+        reader.check_shard(number, contents=not is_verified(self._file))
+        remember({os.fspath(self._file): stamp})
         try:
             self._hdf5 = open_file(self._file)
             with self._file.open("rb") as stream:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import glob
+import hashlib
 import json
 import re
 import shutil
@@ -12,7 +13,6 @@ from pathlib import Path
 
 from .._core import Mesh, Scene, load_scene, readable_scene
 from .._log import silenced
-from ..dataset.checksums import sha256_of
 from ..errors import InputError
 from ..program import SCENES
 
@@ -36,6 +36,10 @@ def _candidates(name: str, folders: Sequence[Path]) -> Iterator[Path]:
         yield from (file for file in sorted(folder.rglob(glob.escape(name))) if file.is_file())
 
 
+def _sha256(file: Path) -> str:
+    return hashlib.sha256(file.read_bytes()).hexdigest()
+
+
 def scene_of(text: str, folders: Sequence[Path], origin: Path) -> tuple[Scene, set[int]]:
     """The scene of a data set, and the indices of objects whose mesh is not found: a tetrahedron of 1 mm keeps the
     place of each, and the caller does not draw it. Contact points that are not found are left out.
@@ -56,7 +60,7 @@ def scene_of(text: str, folders: Sequence[Path], origin: Path) -> tuple[Scene, s
                 raise InputError(f"{origin}: scene: {key}: {quoted} is not allowed: the name of a file") from error
             if not name or Path(name).name != name:
                 raise InputError(f"{origin}: scene: {key}: {name!r} is not allowed: the name of a file without a folder")
-            file = next((file for file in _candidates(name, [*folders, SCENES]) if sha256_of(file) == sha256), None)
+            file = next((file for file in _candidates(name, [*folders, SCENES]) if _sha256(file) == sha256), None)
             if key == "mesh":
                 is_found.append(file is not None)
             if file is not None:

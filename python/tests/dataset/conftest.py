@@ -4,6 +4,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+from taxelsim._core import DatasetReader
 
 import taxelsim
 
@@ -39,3 +40,11 @@ def raw(generated: dict[str, Path]) -> Path:
 def copied(raw: Path, tmp_path: Path) -> Path:
     """A data set that a test may damage."""
     return Path(shutil.copytree(raw, tmp_path / "copied"))
+
+
+@pytest.fixture
+def compared(monkeypatch):
+    """Of each shard that is checked, whether it is compared with its SHA-256."""
+    found, check = [], DatasetReader.check_shard
+    monkeypatch.setattr(DatasetReader, "check_shard", lambda *call, contents: (found.append(contents), check(*call, contents=contents)))
+    return found

@@ -1,0 +1,73 @@
+// Figures of frames of a data set, for `taxelsim render`.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "figures/tactile_figure.h"
+#include "taxelsim/dataset.h"
+
+namespace taxelsim::figures {
+
+// "-" if the scene has no name.
+std::string sceneName(const Manifest& manifest);
+
+struct FrameSelection {
+  std::string directory, sensor{};         // of the data set; no sensor: the first
+  std::optional<std::uint64_t> episode{};  // none: all
+  double range = 0;                        // counts of the brightest colour; 0: those of the data set
+};
+
+// Frames of an episode or of all, counted from 0. All figures have one colour scale.
+class FrameFigures {
+ public:
+  // Reads in child processes. Throws Error(kInput) if there are no such frames, and what DatasetReader throws; so do the functions below.
+  explicit FrameFigures(FrameSelection selection);
+
+  std::uint64_t numFrames() const { return end_ - begin_; }
+
+  // s, of all frames.
+  std::vector<double> times() const;
+
+  // Draws frames on one page.
+  Canvas figureOf(const std::vector<std::uint64_t>& frames);
+
+  // Draws one frame. Reads those that follow as well, for the next calls.
+  Canvas pictureOf(std::uint64_t frame);
+
+ private:
+  const Manifest& manifest() const { return reader_.manifest(); }
+
+  void read(std::uint64_t first, std::uint64_t count);
+  std::vector<double> row(const std::string& name, std::uint64_t frame) const;
+  std::vector<double> row(const std::string& name, std::uint64_t frame, std::size_t length) const;
+  TactilePanel imageOf(std::uint64_t frame) const;
+  void showThreeAxes(TactilePanel& panel, std::uint64_t frame) const;
+  std::optional<ContactAxes> axesOf(const TactilePanel& panel, std::uint64_t frame) const;
+  std::string forceText(const TactilePanel& panel, std::uint64_t frame) const;
+  std::string captionOf(const TactilePanel& panel, std::uint64_t frame) const;
+  std::string titleOf(std::uint64_t frame);
+  TactilePanel panelOf(std::uint64_t frame);
+  double range() const;
+  const FigureOptions& options();
+
+  FrameSelection selection_;
+  DatasetReader reader_;
+  std::string group_;  // of the columns of the sensor
+  const Column& image_;
+  std::string shown_;                                   // the column that panels show
+  double least_shear_;                                  // counts, of the shortest arrow
+  std::vector<std::uint64_t> episodes_;                 // numbers of those that are there
+  std::vector<TaxelOutline> outlines_;                  // of a list of taxels
+  std::uint64_t begin_ = 0, end_ = 0;                   // frames of the data set
+  std::uint64_t first_ = 0, count_ = 0;                 // frames of columns_
+  std::map<std::string, std::vector<double>> columns_;  // rows of the frames, one after the other
+  std::uint64_t object_row_ = ~std::uint64_t{0};        // of object_, the name for titles
+  std::string object_;
+  std::optional<FigureOptions> options_;
+};
+
+}  // namespace taxelsim::figures
