@@ -231,7 +231,7 @@ void checkRun(const std::string& name, const Scene& scene, bool has_theory) {
   checkScene(scene);
   if (scene.kind != Scene::Kind::kServo || scene.objects.size() != 1 || scene.controllers.size() != 1) {
     throw Error(ErrorKind::kInput, name + ": a scene of kind servo with " + std::to_string(scene.objects.size()) + " objects and " +
-                                       std::to_string(scene.controllers.size()) + " controllers are not allowed: 1 of each");
+                                       std::to_string(scene.controllers.size()) + " controllers is not allowed: 1 of each");
   }
   if (has_theory && !(scene.objects[0].edge && scene.controllers[0].servo[ServoFeature::kEdgeAngle].selected)) {
     throw Error(ErrorKind::kInput, name + ": theory needs an object with an edge and a controller of edge_angle");

@@ -261,7 +261,7 @@ TEST(ServoExperiment, RejectsInvalidRuns) {
   expectRefused(experiment, "out of reach");
   experiment.runs[0] = good;
   experiment.runs[0].scene.controllers.push_back(good.scene.controllers[0]);
-  expectRefused(experiment, "1 objects and 2 controllers found");
+  expectRefused(experiment, "1 objects and 2 controllers is not allowed");
   experiment.runs[0] = good;
   experiment.runs[0].scene.objects[0].edge.reset();
   expectRefused(experiment, "theory needs an object with an edge");
