@@ -3,6 +3,7 @@
 #include <span>
 
 #include "base/files.h"
+#include "dataset/checksum.h"
 #include "dataset/checksum_list.h"
 #include "dataset/column.h"
 #include "dataset/manifest.h"
