@@ -38,7 +38,7 @@ Field<Struct, Member> field(const char* name, Member Struct::*member, const char
   return {name, member, doc};
 }
 
-// "(3), " of a member that is an array.
+// Gives "(3), " for a member that is an array.
 template <typename Struct, typename Member>
 std::string shapeOf(Member Struct::*) {
   return "";

@@ -73,12 +73,12 @@ readout: {curve: {counts_per_newton: 100}}
         (["pitch_mm"], [1, 2, 3]),
         (["pich"], 1),
         (["depth_sampling"], "areas"),
-        (["skin", "mass"], 1),  # of another law
-        (["skin", "law"], "proximity"),  # without its sensitivity, and with a stiffness
+        (["skin", "mass"], 1),  # belongs to another law
+        (["skin", "law"], "proximity"),  # its sensitivity is missing, and it takes no stiffness
         (["skin", "normal_exponent"], 3.5),
-        (["readout", "curve", "coefficients"], [1]),  # beside counts_per_newton
+        (["readout", "curve", "coefficients"], [1]),  # conflicts with counts_per_newton
         (["readout", "adc_bits"], 17),
-        (["taxels"], []),  # beside num_rows
+        (["taxels"], []),  # conflicts with num_rows
     ],
 )
 def test_mistakes_are_found(path: list[str], value: object) -> None:

@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// A default as a value; nothing if it is in words.
+// Gives the default as a value, or nothing if it is in words.
 std::optional<Json> valueOf(const Key& key) {
   if (const auto* words = std::get_if<Words>(&key.type); words != nullptr && !words->is_list && key.otherwise != kNeeded)
     return Json(key.otherwise);
@@ -112,7 +112,7 @@ class SchemaWriter {
     return {{"type", "object"}, {"additionalProperties", reference(map.block())}};
   }
 
-  // That a key is there, in any of its forms.
+  // Requires a key in any of its forms.
   static Json given(const Key& key) {
     const Json name{{"required", {key.name()}}};
     const std::string_view suffix = formsOf(key.key).suffix;
@@ -127,7 +127,7 @@ class SchemaWriter {
     return all;
   }
 
-  // The keys of a case where the selector has its word, or where the word is the default.
+  // Applies the keys of a case where the selector has its word, or is missing and the word is the default.
   Json caseSchema(const Block& block, const Block::Case& one) {
     const std::string selector(block.selector);
     Json chosen{{"properties", {{selector, {{"const", one.word}}}}}};
@@ -146,7 +146,7 @@ class SchemaWriter {
   std::set<std::string_view> names_;
 };
 
-// Scenes: the keys of the kind that the file names.
+// A scene has the keys of the kind that it names.
 Json sceneObject(SchemaWriter& writer) {
   Json schema{{"type", "object"}, {"properties", {{"kind", {{"enum", kSceneKindNames}}}}}, {"required", {"kind"}}};
   for (std::size_t kind = 0; kind < kSceneKindNames.size(); ++kind) {
@@ -222,7 +222,7 @@ class TableWriter {
     return escaped(what) + (block == nullptr || block->name.empty() ? "" : fmt::format(", [{0}](#{0})", block->name));
   }
 
-  // Angles in degrees.
+  // Gives angles in degrees.
   static std::string defaultText(const Key& key) {
     const std::optional<Json> value = valueOf(key);
     if (!value || unitOfSuffix(formsOf(key.key).suffix) != FileUnit::kDegree)
@@ -240,7 +240,7 @@ class TableWriter {
   }
 
   std::set<std::string_view> names_;
-  std::vector<const Block*> named_;  // of the table that is being written
+  std::vector<const Block*> named_;  // blocks that the current table names
 };
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace taxelsim::cli {
 // `main(arguments) -> int` of the module taxelsim.commands.<name> runs one.
 struct PythonSubcommand {
   const char* name;
-  // With one of these words only: an option, or the end of a file name. None: always.
+  // An argument must be one of these options, or end like one of these file names; without words Python always runs it.
   std::array<std::string_view, 2> words;
   const char* description;  // empty if the subcommand exists in C++ as well
 };
@@ -31,7 +31,7 @@ inline bool isMatch(std::string_view argument, std::string_view word) {
   return !word.empty() && (word.starts_with('.') ? argument.ends_with(word) : argument.substr(0, argument.find('=')) == word);
 }
 
-// What selects Python among the arguments after the program's name: "view", "render a.mp4". Empty for a subcommand in C++.
+// Gives the words that select Python among the arguments after the program's name: "view", "render a.mp4"; "" for a subcommand in C++.
 inline std::string pythonCommand(std::span<const std::string> arguments) {
   for (const PythonSubcommand& subcommand : kPythonSubcommands) {
     if (arguments.empty() || arguments[0] != subcommand.name) continue;

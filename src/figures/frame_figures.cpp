@@ -22,8 +22,8 @@
 namespace taxelsim::figures {
 namespace {
 
-constexpr std::uint64_t kFramesAtOnce = 1024;  // that pictures hold in memory
-constexpr std::size_t kTaxelsPerLine = 16;     // for sensors without a single grid
+constexpr std::uint64_t kFramesAtOnce = 1024;  // largest number that pictures hold in memory
+constexpr std::size_t kTaxelsPerLine = 16;     // a sensor that is not one grid has no other shape
 constexpr const char* kData = "data/";         // group of the columns of one sensor, unless a data set has one for each: "data/NAME/"
 constexpr const char* kTactileImage = "tactile_image";  // below its group
 constexpr const char* kTaxelCounts = "taxel_counts";    // as above, of three-axis taxels
@@ -247,7 +247,7 @@ std::string FrameFigures::captionOf(const TactilePanel& panel, std::uint64_t fra
   return fmt::format("{}", fmt::join(parts, "   "));
 }
 
-// Of several sensors in one group, the first. Of three-axis taxels, counts along the normal and arrows instead of image and axes.
+// Draws the first sensor where a group has several. Three-axis taxels show counts along the normal and arrows, no image and no axes.
 TactilePanel FrameFigures::panelOf(std::uint64_t frame) {
   TactilePanel panel = imageOf(frame);
   panel.title = titleOf(frame);

@@ -16,7 +16,7 @@ namespace taxelsim::figures {
 std::string sceneName(const Manifest& manifest);
 
 struct FrameSelection {
-  std::string directory, sensor{};         // of the data set; no sensor: the first
+  std::string directory, sensor{};         // directory: the data set; sensor: its name, empty for the first
   std::optional<std::uint64_t> episode{};  // none: all
   double range = 0;                        // counts of the brightest colour; 0: those of the data set
 };
@@ -56,16 +56,16 @@ class FrameFigures {
 
   FrameSelection selection_;
   DatasetReader reader_;
-  std::string group_;  // of the columns of the sensor
+  std::string group_;  // begin of the names of the sensor's columns
   const Column& image_;
   std::string shown_;                                   // the column that panels show
   double least_shear_;                                  // counts, of the shortest arrow
   std::vector<std::uint64_t> episodes_;                 // numbers of those that are there
-  std::vector<TaxelOutline> outlines_;                  // of a list of taxels
+  std::vector<TaxelOutline> outlines_;                  // empty unless the sensor is a list of taxels
   std::uint64_t begin_ = 0, end_ = 0;                   // frames of the data set
   std::uint64_t first_ = 0, count_ = 0;                 // frames of columns_
   std::map<std::string, std::vector<double>> columns_;  // rows of the frames, one after the other
-  std::uint64_t object_row_ = ~std::uint64_t{0};        // of object_, the name for titles
+  std::uint64_t object_row_ = ~std::uint64_t{0};        // episode to which object_ belongs
   std::string object_;
   std::optional<FigureOptions> options_;
 };

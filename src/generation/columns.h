@@ -56,7 +56,8 @@ struct ColumnPlan {
   std::vector<Column> columns() const;  // all, in file order
 };
 
-// Of a scene of another kind than grasp. Throws Error(kInput) if scene.record has a name that is not a group of columns.
+// Plans the columns; the scene is of another kind than grasp. Throws Error(kInput) if scene.record has a name that is not a group of
+// columns.
 ColumnPlan planColumns(const Scene& scene);
 
 // Bytes of one row.

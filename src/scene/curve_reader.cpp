@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "scene/keys/sensor.h"
 #include "sensor/fields.h"
 
 namespace taxelsim {
@@ -45,12 +44,12 @@ void readCurve(const YamlMap& from, Readout& readout) {
   curve.clear();
   if (const std::optional<YamlNode> slope = map.find("counts_per_newton")) {
     map.rejectBoth("coefficients", "counts_per_newton");
-    curve = {slope->number(std::get<Number>(curveKeys().find("counts_per_newton")->type).allowed)};
+    curve = {slope->number(map.allowedOf("counts_per_newton"))};
   } else {
     const YamlNode coefficients = map.require("coefficients", "a list of 1 to 5 numbers, counts/N^m; or counts_per_newton");
     const std::vector<YamlNode> items = coefficients.items("a list of 1 to 5 numbers");
     if (items.empty() || items.size() > static_cast<std::size_t>(kMaxCurveDegree)) coefficients.refuse("a list of 1 to 5 numbers");
-    for (const YamlNode& item : items) curve.push_back(item.number(Allowed::any("counts/N^m")));
+    for (const YamlNode& item : items) curve.push_back(item.number(map.allowedOf("coefficients")));
   }
   map.canonical().line("coefficients", canonicalList(curve));
   readFields(map, kCurveLimitFields, readout);

@@ -50,7 +50,7 @@ Shape readSolid(const YamlMap& parent, std::string_view kind) {
 // The object's edge: a direction, or a closed contour.
 void readEdge(const YamlMap& map, const std::filesystem::path& directory, SceneObject& object) {
   if (const std::optional<YamlNode> edge = map.find("edge")) {
-    const Vector3 direction = map.numbers<3>("edge", Allowed::any(""));
+    const Vector3 direction = map.numbers<3>("edge");
     const double size = length(direction);
     if (!(size > 0)) edge->fail("[0, 0, 0] is not allowed: a direction");
     object.edge = scale(1 / size, direction);
@@ -63,7 +63,7 @@ void readEdge(const YamlMap& map, const std::filesystem::path& directory, SceneO
   }
   if (map.has("anchor")) {
     map.rejectBoth("anchor", "contour", "an object with a contour starts at a random point of it");
-    object.anchor = map.numbers<3>("anchor", Allowed::any("m"));
+    object.anchor = map.numbers<3>("anchor");
   }
 }
 

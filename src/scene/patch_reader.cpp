@@ -19,7 +19,7 @@ GridPatch readGrid(const YamlMap& map, std::string name) {
   GridPatch patch;
   patch.name = std::move(name);
   readFields(map, kGridPatchFields, patch);
-  const Allowed allowed = Allowed::above(0, "m");
+  const Allowed& allowed = map.allowedOf("pitch");
   const YamlNode pitch = map.require("pitch", "a number > 0 m, or a list of two");
   if (pitch.isList()) {
     const std::vector<double> numbers = pitch.numbers(allowed, 2);

@@ -2,30 +2,26 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "scene/keys/sensor.h"
 
 namespace taxelsim {
 namespace {
 
-// Tolerance of the length of a quaternion; four decimal digits suffice.
-constexpr double kUnitTolerance = 1e-3;
 // Already normalized; a second division would change the last bit.
 constexpr double kNormalised = 4 * std::numeric_limits<double>::epsilon();
-constexpr double kFullTurn = 2 * std::numbers::pi;
 
 // The canonical text keeps given roll, pitch and yaw, because sine and cosine may differ in the last bit between machines.
 Quaternion rotationOf(const YamlMap& map) {
   const std::optional<YamlNode> given = map.find("rotation");
   if (map.has("rpy")) {
     if (given) given->fail("given twice, as rotation and rpy");
-    const std::array<double, 3> rpy = map.numbers<3>("rpy", Allowed::within(-kFullTurn, kFullTurn, "rad"));
+    const std::array<double, 3> rpy = map.numbers<3>("rpy");
     return axisAngle({0, 0, 1}, rpy[2]) * axisAngle({0, 1, 0}, rpy[1]) * axisAngle({1, 0, 0}, rpy[0]);
   }
   Quaternion rotation{1, 0, 0, 0};
   if (given) {
-    const std::vector<double> numbers = given->numbers(Allowed::within(-1 - kUnitTolerance, 1 + kUnitTolerance, ""), rotation.size());
+    const std::vector<double> numbers = given->numbers(map.allowedOf("rotation"), rotation.size());
     std::copy(numbers.begin(), numbers.end(), rotation.begin());
     double square = 0;
     for (const double q : rotation) square += q * q;
@@ -46,7 +42,7 @@ Quaternion rotationOf(const YamlMap& map) {
 Pose readPose(const YamlMap& parent, std::string_view key) {
   const YamlMap map(parent, key, poseKeys());
   Pose pose;
-  pose.position = map.numbers<3>("position", Allowed::any("m"), Vector3{0, 0, 0});
+  pose.position = map.numbers<3>("position", map.allowedOf("position"), Vector3{0, 0, 0});
   pose.rotation = rotationOf(map);
   return pose;
 }

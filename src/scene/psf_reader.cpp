@@ -4,8 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "sensor/fields.h"
-
 namespace taxelsim {
 namespace {
 
@@ -15,7 +13,7 @@ int readKernelSize(const YamlNode& node) {
   return static_cast<int>(size);
 }
 
-std::vector<double> readKernel(const YamlNode& node, Canonical& canonical) {
+std::vector<double> readKernel(const YamlNode& node, const Allowed& allowed, Canonical& canonical) {
   const std::string what = "a square list of rows of weights, their number odd and at most " + std::to_string(kMaxKernelSize);
   const std::vector<YamlNode> rows = node.items(what);
   if (rows.size() % 2 == 0 || rows.size() > static_cast<std::size_t>(kMaxKernelSize)) node.refuse(what);
@@ -23,7 +21,7 @@ std::vector<double> readKernel(const YamlNode& node, Canonical& canonical) {
   std::string text;
   double sum = 0;
   for (const YamlNode& row : rows) {
-    const std::vector<double> weights = row.numbers(Allowed::atLeast(0, ""), rows.size());
+    const std::vector<double> weights = row.numbers(allowed, rows.size());
     kernel.insert(kernel.end(), weights.begin(), weights.end());
     for (const double weight : weights) sum += weight;
     text += (text.empty() ? "" : ", ") + canonicalList(weights);
@@ -45,8 +43,8 @@ Psf readPsf(const YamlMap& sensor) {
   map.rejectBoth("kernel", "gaussian");
   if (skin_gaussian) {
     const YamlMap gaussian(map, "skin_gaussian");
-    psf.sigma = gaussian.number("sigma", kSkinGaussianFields[0].allowed);
-    psf.reach = gaussian.number("reach", kSkinGaussianFields[1].allowed, 3 * psf.sigma);
+    psf.sigma = gaussian.number("sigma");
+    psf.reach = gaussian.number("reach", gaussian.allowedOf("reach"), 3 * psf.sigma);
   } else if (map.has("gaussian")) {
     const YamlMap gaussian(map, "gaussian");
     const double sigma = gaussian.number("sigma");
@@ -54,7 +52,7 @@ Psf readPsf(const YamlMap& sensor) {
     canonical.line("size", std::to_string(size));
     psf = gaussianPsf(sigma, size);
   } else if (kernel) {
-    psf.kernel = readKernel(*kernel, canonical);
+    psf.kernel = readKernel(*kernel, map.allowedOf("kernel"), canonical);
     psf.size = static_cast<int>(kernel->items("").size());
   } else {
     canonical.line("kernel", "[[1]]");

@@ -29,14 +29,14 @@ std::vector<double> flatNumbers(const YamlNode& node, const Allowed& allowed, st
 }
 
 // One number per taxel, or none.
-std::vector<double> readPerTaxel(const YamlMap& map, std::string_view key, const Allowed& allowed, const std::vector<GridPatch>& patches) {
+std::vector<double> readPerTaxel(const YamlMap& map, std::string_view key, const std::vector<GridPatch>& patches) {
   std::vector<double> values;
   if (const std::optional<YamlNode> node = map.find(key)) {
     std::size_t num_taxels = 0;
     for (const GridPatch& patch : patches)
       num_taxels += static_cast<std::size_t>(patch.num_rows) * static_cast<std::size_t>(patch.num_cols);
     std::vector<std::size_t> row_lengths;
-    values = flatNumbers(*node, allowed, row_lengths);
+    values = flatNumbers(*node, map.allowedOf(key), row_lengths);
     if (!values.empty() && values.size() != num_taxels) {
       node->fail(std::to_string(values.size()) + " numbers are not allowed: one for each of the " + std::to_string(num_taxels) + " taxels");
     }
@@ -52,7 +52,8 @@ std::vector<double> readPerTaxel(const YamlMap& map, std::string_view key, const
 }
 
 // A number, or a list of them: one per element of the hysteresis.
-std::vector<double> readElements(const YamlMap& map, std::string_view key, const Allowed& allowed) {
+std::vector<double> readElements(const YamlMap& map, std::string_view key) {
+  const Allowed& allowed = map.allowedOf(key);
   std::vector<double> values;
   if (const std::optional<YamlNode> node = map.find(key)) {
     if (node->isList()) {
@@ -69,8 +70,8 @@ std::vector<double> readElements(const YamlMap& map, std::string_view key, const
 }
 
 void readHysteresis(const YamlMap& map, Readout& readout) {
-  readout.hysteresis_strength = readElements(map, "hysteresis_strength", Allowed::within(0, 1, ""));
-  readout.hysteresis_width = readElements(map, "hysteresis_width", Allowed::atLeast(0, "N"));
+  readout.hysteresis_strength = readElements(map, "hysteresis_strength");
+  readout.hysteresis_width = readElements(map, "hysteresis_width");
   if (readout.hysteresis_width.size() == readout.hysteresis_strength.size()) return;
   const bool has_width = map.has("hysteresis_width");
   const YamlNode place = has_width ? map.require("hysteresis_width", "") : map.require("hysteresis_strength", "");
@@ -114,7 +115,7 @@ std::optional<ThreeAxisReadout> readThreeAxis(const YamlMap& readout) {
   if (rows.size() != axes.gain.size()) gain.refuse(what);
   std::string text;
   for (std::size_t a = 0; a < rows.size(); ++a) {
-    const std::vector<double> row = rows[a].numbers(Allowed::within(-kMaxAxisGain, kMaxAxisGain, "counts/N"), axes.gain[a].size());
+    const std::vector<double> row = rows[a].numbers(map.allowedOf("gain"), axes.gain[a].size());
     std::copy(row.begin(), row.end(), axes.gain[a].begin());
     text += (text.empty() ? "" : ", ") + canonicalList(row);
   }
@@ -134,10 +135,10 @@ Readout readReadout(const YamlMap& sensor, const std::vector<GridPatch>& patches
   const std::uint64_t full_scale = (std::uint64_t{1} << readout.adc_bits) - 1;
   readout.saturation = static_cast<int>(map.integer("saturation", 1, full_scale, full_scale));
   readFields(map, kNoiseFields, readout);
-  readout.taxel_gain = readPerTaxel(map, "taxel_gain", Allowed::atLeast(0, ""), patches);
-  readout.taxel_trigger = readPerTaxel(map, "taxel_trigger", Allowed::any("N"), patches);
+  readout.taxel_gain = readPerTaxel(map, "taxel_gain", patches);
+  readout.taxel_trigger = readPerTaxel(map, "taxel_trigger", patches);
   noteVisibleNoise(map, readout);
-  readout.calibrated_gain = readPerTaxel(map, "calibrated_gain", Allowed::atLeast(0, ""), patches);
+  readout.calibrated_gain = readPerTaxel(map, "calibrated_gain", patches);
   readHysteresis(map, readout);
   readout.creep = readTerms(map, "creep", kMaxCreepTerms, kCreepFields);
   readFields(map, kTimeFields, readout);

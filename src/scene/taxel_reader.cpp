@@ -14,7 +14,7 @@ const std::string kAtMost = "at most " + std::to_string(kMaxListTaxels) + " taxe
 
 // The side of a square, or [along x, along y].
 std::array<double, 2> readSize(const YamlMap& map) {
-  const Allowed allowed = Allowed::above(0, "m");
+  const Allowed& allowed = map.allowedOf("size");
   const YamlNode node = map.require("size", "the side of a square in m, > 0, or [along x, along y]");
   std::array<double, 2> size{};
   if (node.isList()) {
@@ -29,11 +29,10 @@ std::array<double, 2> readSize(const YamlMap& map) {
 
 // The canonical text keeps the directions, because the rotation from them may differ in the last bit between machines.
 GridPatch readTaxel(const YamlMap& map, std::string name) {
-  const Vector3 position = map.numbers<3>("position", Allowed::any("m"));
-  const Allowed component = Allowed::any("");
-  const Vector3 normal = map.numbers<3>("normal", component);
+  const Vector3 position = map.numbers<3>("position");
+  const Vector3 normal = map.numbers<3>("normal");
   std::optional<Vector3> x_axis;
-  if (map.has("x_axis")) x_axis = map.numbers<3>("x_axis", component);
+  if (map.has("x_axis")) x_axis = map.numbers<3>("x_axis");
   const std::array<double, 2> size = readSize(map);
   return atNode(map.node(), [&] { return taxelPatch(std::move(name), position, normal, size, x_axis); });
 }

@@ -172,12 +172,18 @@ std::string YamlMap::whatOf(std::string_view key) const {
 }
 
 double YamlMap::number(std::string_view key) const {
-  return number(key, std::get<Number>(keyOf(key).type).allowed);
+  return number(key, allowedOf(key));
 }
 
 std::string YamlMap::text(std::string_view key) const {
   const Key& row = keyOf(key);
   return text(key, std::get<Text>(row.type).what);
+}
+
+const Allowed& YamlMap::allowedOf(std::string_view key) const {
+  const ValueType& type = keyOf(key).type;
+  const auto* const one = std::get_if<Number>(&type);
+  return one != nullptr ? one->allowed : std::get<Numbers>(type).allowed;
 }
 
 std::size_t YamlMap::wordOf(std::string_view key) const {
@@ -188,6 +194,10 @@ std::size_t YamlMap::wordOf(std::string_view key) const {
   const std::string word = value ? value->choice(words) : row.otherwise;
   canonical_->line(key, canonicalText(word));
   return static_cast<std::size_t>(std::find(words.begin(), words.end(), word) - words.begin());
+}
+
+const Block& YamlMap::itemBlock(std::string_view key) const {
+  return std::get<NestedList>(keyOf(key).type).block();
 }
 
 std::vector<YamlNode> YamlMap::items(std::string_view key) const {

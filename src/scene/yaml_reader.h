@@ -117,12 +117,18 @@ class YamlMap {
   // The same of a key of the block, which says what is allowed and the default.
   double number(std::string_view key) const;
   std::string text(std::string_view key) const;
-  std::size_t wordOf(std::string_view key) const;  // place among the words
+  template <std::size_t N>
+  std::array<double, N> numbers(std::string_view key) const {
+    return numbers<N>(key, allowedOf(key));
+  }
+  std::size_t wordOf(std::string_view key) const;        // place among the words
+  const Allowed& allowedOf(std::string_view key) const;  // range of a number, or of each number in a list
   template <typename Enum>
   Enum choice(std::string_view key) const {
     return static_cast<Enum>(wordOf(key));
   }
-  std::vector<YamlNode> items(std::string_view key) const;  // of a list that must be there and have one or more
+  std::vector<YamlNode> items(std::string_view key) const;  // the list must be there and have one or more
+  const Block& itemBlock(std::string_view key) const;       // block that each mapping in the list has
   // The one of block.one_of that the mapping has. Throws if it has none or several of them.
   std::string_view onlyOne() const;
 
@@ -154,20 +160,6 @@ class YamlMap {
   Canonical* canonical_;
   bool closes_ = false;
 };
-
-// Keys of a table of fields.
-template <typename Table>
-void addKeys(const Table& table, YamlMap::Keys& keys) {
-  for (const auto& field : table) {
-    if (std::find(keys.begin(), keys.end(), field.key) == keys.end()) keys.push_back(field.key);
-  }
-}
-template <typename... Tables>
-YamlMap::Keys keysOf(const Tables&... tables) {
-  YamlMap::Keys keys;
-  (addKeys(tables, keys), ...);
-  return keys;
-}
 
 // Reads the value of a key into `setting`, whose value is the default unless the key is required. An optional setting without a value and a
 // setting without a limit stay as they are if the key is missing.

@@ -130,10 +130,9 @@ inline constexpr std::array kSkinGaussianFields{
 inline constexpr std::array<std::string_view, 2> kNormalizationNames{"per_source", "none"};  // in the order of Psf::Normalization
 
 inline constexpr std::array kCurveLimitFields{
-    Field<Readout>{
-        "limit", &Readout::curve_limit, Allowed::atLeast(0, "counts"), kOptional,
-        "Asymptote of the output: y becomes y / (1 + y / limit), as for a resistive taxel in a voltage divider; 0 for none, else "
-        "above saturation / output_scale"},
+    Field<Readout>{"limit", &Readout::curve_limit, Allowed::atLeast(0, "counts"), kOptional,
+                   "Asymptote of the output: y becomes y / (1 + y / limit), as for a resistive taxel in a voltage divider; 0 for none, "
+                   "else above saturation / output_scale"},
 };
 inline constexpr std::array kOutputFields{
     Field<Readout>{"output_scale", &Readout::output_scale, Allowed::above(0, ""), kOptional, "Factor on the counts"},

@@ -37,7 +37,11 @@ def _candidates(name: str, folders: Sequence[Path]) -> Iterator[Path]:
 
 
 def _sha256(file: Path) -> str:
-    return hashlib.sha256(file.read_bytes()).hexdigest()
+    digest = hashlib.sha256()
+    with file.open("rb") as stream:
+        while block := stream.read(1 << 20):
+            digest.update(block)
+    return digest.hexdigest()
 
 
 def scene_of(text: str, folders: Sequence[Path], origin: Path) -> tuple[Scene, set[int]]:

@@ -15,12 +15,6 @@ struct Overloaded : Functions... {
 template <typename... Functions>
 Overloaded(Functions...) -> Overloaded<Functions...>;
 
-Key fieldKey(std::string_view key, ValueType type, std::string otherwise, Presence presence, std::string_view text) {
-  if (presence == Presence::kRequired) otherwise = kNeeded;
-  if (presence == Presence::kUnlimited) otherwise = "";
-  return {key, std::move(type), std::move(otherwise), std::string(text)};
-}
-
 }  // namespace
 
 KeyForms formsOf(std::string_view key) {
@@ -56,7 +50,11 @@ std::vector<std::string_view> Block::allKeys() const {
 }
 
 Key keyOf(std::string_view key, const ConstSettingPointer& otherwise, const Allowed& allowed, Presence presence, std::string_view text) {
-  const auto make = [&](ValueType type, std::string value) { return fieldKey(key, std::move(type), std::move(value), presence, text); };
+  const auto make = [&](ValueType type, std::string value) {
+    if (presence == Presence::kRequired) value = kNeeded;
+    if (presence == Presence::kUnlimited) value = "";
+    return Key{key, std::move(type), std::move(value), std::string(text)};
+  };
   return std::visit(Overloaded{
                         [&](const double* value) { return make(Number{allowed}, canonicalNumber(*value)); },
                         [&](const int* value) {

@@ -16,7 +16,7 @@ namespace taxelsim {
 
 struct Block;
 using BlockOf = const Block& (*)();
-inline constexpr int kAnyNumber = 0;  // of the items of a list
+inline constexpr int kAnyNumber = 0;  // a list may have any number of items
 
 // Types of values.
 struct Number {
@@ -79,7 +79,7 @@ struct Block {
     KeyTable keys;
   };
 
-  std::string_view name;  // of its table in the documents; "" for a part of the outer block
+  std::string_view name;  // heading of its table in the documents; "" if its keys are rows of the outer table
   KeyTable keys;
   std::vector<std::string_view> one_of = {};  // exactly one of these keys is given
   std::string_view selector = "";

@@ -9,7 +9,7 @@
 namespace taxelsim {
 namespace {
 
-// Of the tables of loops, which differ in units and in rolling_radius.
+// Names the tables of loops, which differ in units and in rolling_radius.
 constexpr std::array<std::string_view, kNumServoFeatures> kLoopNames{"loop_center", "loop_center", "loop_across", "loop_force",
                                                                      "loop_angle",  "loop_tilt",   "loop_tilt"};
 
@@ -34,7 +34,7 @@ KeyTable allLoopKeys(std::index_sequence<kFeatures...>) {
   return {{kServoFeatureNames[kFeatures], Nested{loopKeys<kFeatures>}, "not controlled", kLoopTexts[kFeatures]}...};
 }
 
-// Defaults of references are in words.
+// The default of a reference is in words.
 KeyTable criterionTable(TaskMeasure measure) {
   KeyTable keys = keysOfFields(criterionFields(measure));
   return keys.size() == 1 ? keys : withDefault(std::move(keys), "reference", measure == TaskMeasure::kEdgeAngle ? "0" : "the controller's");
@@ -61,19 +61,17 @@ KeyTable allCriterionKeys(std::index_sequence<kMeasures...>) {
 const Block& servoKeys() {
   static const Block block{
       .name = "tactile_servo",
-      .keys = joinKeys(KeyTable{{"jacobian", Words{kJacobianSourceNames}, "nominal",
-                                 "Conversion of feature rates to a twist. nominal: for a point contact and the skin's stiffness over the "
-                                 "contact; measured: by "
-                                 "damped least squares with the tactile Jacobian of the frame, which needs contact: whole"},
-                                {"edge_angle_source", Words{kEdgeAngleSourceNames}, "principal_axis",
-                                 "principal_axis: of all forces; window: under a Gaussian window, which the border of the array biases "
-                                 "less; ridge: of a Gaussian "
-                                 "ridge fitted to the logarithms of the forces, which gains that differ between taxels turn least; exact: "
-                                 "from the object's pose "
-                                 "and edge, which no sensor can measure"},
-                                {"contact", Words{kServoContactNames}, "whole",
-                                 "whole: all contacts; largest_region: the connected taxels with the largest force"}},
-                       keysOfFields(kServoFields), allLoopKeys(std::make_index_sequence<kNumServoFeatures>()))};
+      .keys = joinKeys(
+          KeyTable{{"jacobian", Words{kJacobianSourceNames}, "nominal",
+                    "Conversion of feature rates to a twist. nominal: for a point contact and the skin's stiffness over the contact; "
+                    "measured: by damped least squares with the tactile Jacobian of the frame, which needs contact: whole"},
+                   {"edge_angle_source", Words{kEdgeAngleSourceNames}, "principal_axis",
+                    "principal_axis: of all forces; window: under a Gaussian window, which the border of the array biases less; ridge: of "
+                    "a Gaussian ridge fitted to the logarithms of the forces, which gains that differ between taxels turn least; exact: "
+                    "from the object's pose and edge, which no sensor can measure"},
+                   {"contact", Words{kServoContactNames}, "whole",
+                    "whole: all contacts; largest_region: the connected taxels with the largest force"}},
+          keysOfFields(kServoFields), allLoopKeys(std::make_index_sequence<kNumServoFeatures>()))};
   return block;
 }
 

@@ -16,8 +16,7 @@ const Block& waypointKeys() {
                            .keys = {{"file", Text{"a CSV file of waypoints"}, kNeeded, "Poses and times, relative to the first ones"},
                                     {"interpolation", Words{kInterpolationNames}, "cubic",
                                      "linear: at constant speed from one to the next; cubic: Hermite splines whose slope is that of the "
-                                     "parabola through a waypoint and "
-                                     "its neighbours, at rest at both ends"},
+                                     "parabola through a waypoint and its neighbours, at rest at both ends"},
                                     sha256Key()}};
   return block;
 }

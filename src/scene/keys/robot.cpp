@@ -16,7 +16,7 @@ const Block& initialPositionKeys() {
   return block;
 }
 
-// Of robots with joints. `selection`: its default.
+// Lists the keys of a robot with joints. `sensors`, `selection`: their defaults.
 KeyTable manipulatorKeys(std::string sensors, std::string selection) {
   return joinKeys(KeyTable{{"base", Nested{poseKeys}, "identity", "Pose of the base in the world"},
                            {"sensors", NestedList{"a list of at least one {link, mount}", mountKeys}, std::move(sensors),

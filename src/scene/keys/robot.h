@@ -11,7 +11,7 @@ namespace taxelsim {
 // Components of a twist, as in Manipulator::selection.
 inline constexpr std::array<std::string_view, 6> kCoordinateNames{"vx", "vy", "vz", "wx", "wy", "wz"};
 
-const Block& robotKeys();  // also of a robot in place, but for format_version
+const Block& robotKeys();  // a robot in place has the same keys but format_version
 const Block& mountKeys();
 
 }  // namespace taxelsim

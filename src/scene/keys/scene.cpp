@@ -23,7 +23,7 @@ KeyTable rangeKeys(std::span<const RangeField> table) {
   return keys;
 }
 
-// Of a condition, which may leave load and depth as they are.
+// Lists the overrides of a condition, which may leave load and depth as they are.
 const Block& overrideKeys() {
   static const Block block{.name = "", .keys = servoRandomizationKeys().keys};
   return block;
@@ -68,7 +68,7 @@ const Block& contactPointsKeys() {
       .name = "contact_points",
       .keys = joinKeys(KeyTable{{"file", Text{"a CSV file of contact points"}, kNeeded, "Points and forces of each step"},
                                 sha256Key(),
-                                {"num_episodes", Number{Allowed::within(1, 1'000'000, ""), true}, "those of the file",
+                                {"num_episodes", Number{Allowed::within(1, kMaxRecordedEpisodes, ""), true}, "those of the file",
                                  "The file has episodes 0 to num_episodes - 1"},
                                 {"frame", Words{kFrames}, "sensor", "Frame of positions and forces"},
                                 {"sensor_pose", Nested{poseKeys}, "", "X_WS, the pose of the sensor in the world, where frame is world"},

@@ -1,7 +1,10 @@
 #include "scene/keys/sensor.h"
 
+#include <numbers>
+
 #include "geometry/object_fields.h"
 #include "scene/sensor_file.h"
+#include "scene/taxel_reader.h"
 #include "sensor/fields.h"
 
 namespace taxelsim {
@@ -12,6 +15,10 @@ constexpr std::string_view kPerTaxel = "one per taxel in storage order (patch by
 Key perTaxelKey(std::string_view key, const Allowed& allowed, std::string otherwise, const std::string& text) {
   return {key, Numbers{.allowed = allowed, .count = kAnyNumber, .in_rows = true}, std::move(otherwise),
           text + ", " + std::string(kPerTaxel)};
+}
+
+std::string termList(int max_terms) {
+  return "a list of at most " + std::to_string(max_terms) + " of {fraction, time}";
 }
 
 template <typename Term, std::size_t N>
@@ -37,7 +44,7 @@ KeyTable gridKeys() {
                {"pose", Nested{poseKeys}, "identity", "Pose of the middle of the grid in the sensor frame S; z points out of the skin"}});
 }
 
-// The keys where others can replace them.
+// Makes keys optional which others can replace.
 KeyTable optional(KeyTable keys) {
   for (Key& key : keys) {
     if (key.otherwise == kNeeded) key.otherwise = "";
@@ -79,8 +86,9 @@ Key upAxisKey() {
 
 const Block& rotationKeys() {
   static const Block block{.name = "rotation",
-                           .keys = {{"rotation", Numbers{Allowed::within(-1, 1, ""), 4}, "[1, 0, 0, 0]", "Unit quaternion w, x, y, z"},
-                                    {"rpy[_deg]", Numbers{Allowed::within(-6.283185307179586, 6.283185307179586, "rad"), 3}, "",
+                           .keys = {{"rotation", Numbers{Allowed::within(-1 - kUnitTolerance, 1 + kUnitTolerance, ""), 4}, "[1, 0, 0, 0]",
+                                     "Unit quaternion w, x, y, z"},
+                                    {"rpy[_deg]", Numbers{Allowed::within(-2 * std::numbers::pi, 2 * std::numbers::pi, "rad"), 3}, "",
                                      "Instead of it: roll about x, then pitch about y, then yaw about z, all fixed axes"}}};
   return block;
 }
@@ -132,7 +140,7 @@ const Block& skinKeys() {
       .keys =
           joinKeys(keysOfFields(kSkinFields), KeyTable{{"law", Words{kLawNames}, "winkler", "Contact law; keys of other laws are refused"}},
                    withDefault(keysOfFields(kFrictionFields), "tangential_stiffness", "required with friction"),
-                   KeyTable{{"relaxation", NestedList{"a list of at most 4 of {fraction, time}", relaxationKeys}, "[]",
+                   KeyTable{{"relaxation", NestedList{termList(kMaxRelaxationTerms), relaxationKeys}, "[]",
                              "At a constant depth the force falls: the stiffness is multiplied by 1 - sum fraction (1 - e^(-t / time))"}}),
       .selector = "law",
       .cases = lawCases(std::make_index_sequence<kLawNames.size()>())};
@@ -169,15 +177,13 @@ const Block& psfKeys() {
 const Block& curveKeys() {
   static const Block block{
       .name = "",
-      .keys = joinKeys(
-          KeyTable{
-              {"counts_per_newton", Number{Allowed::above(0, "counts/N")}, "", "Slope of a straight curve"},
-              {"coefficients", Numbers{Allowed::any("counts/N^m"), kAnyNumber}, "",
-               "1 to 5 coefficients of x, x^2, ...; the curve must rise over the range used"},
-              {"points", Numbers{.allowed = Allowed::above(0, ""), .count = kAnyNumber, .in_rows = true}, "",
-               "Straight pieces from (0, 0) through up to 16 points [N, counts], both ascending; the first piece extends below 0, the last "
-               "one beyond the last point"}},
-          keysOfFields(kCurveLimitFields)),
+      .keys = joinKeys(KeyTable{{"counts_per_newton", Number{Allowed::above(0, "counts/N")}, "", "Slope of a straight curve"},
+                                {"coefficients", Numbers{Allowed::any("counts/N^m"), kAnyNumber}, "",
+                                 "1 to 5 coefficients of x, x^2, ...; the curve must rise over the range used"},
+                                {"points", Numbers{.allowed = Allowed::above(0, ""), .count = kAnyNumber, .in_rows = true}, "",
+                                 "Straight pieces from (0, 0) through up to 16 points [N, counts], both ascending; the first piece extends "
+                                 "below 0, the last one beyond the last point"}},
+                       keysOfFields(kCurveLimitFields)),
       .one_of = {"counts_per_newton", "coefficients", "points"}};
   return block;
 }
@@ -209,7 +215,7 @@ const Block& readoutKeys() {
                     "At most 4 strengths w, sum < 1: F = (1 - sum w) x + sum w play_r(x)"},
                    {"hysteresis_width", Numbers{Allowed::atLeast(0, "N"), kAnyNumber, true}, "[]",
                     "As many widths r: the output of unloading is up to 2 w r larger than that of loading"},
-                   {"creep", NestedList{"a list of at most 4 of {fraction, time}", creepKeys}, "[]",
+                   {"creep", NestedList{termList(kMaxCreepTerms), creepKeys}, "[]",
                     "The output of a constant force F is F (1 + sum fraction (1 - e^(-t / time)))"}},
           keysOfFields(kTimeFields), keysOfFields(kImperfectionFields),
           KeyTable{{"three_axis", Nested{threeAxisKeys}, "none", "Electronics of three-axis taxels; needs a skin with friction"}})};
@@ -219,19 +225,19 @@ const Block& readoutKeys() {
 const Block& sensorKeys() {
   static const Block block{
       .name = "sensor",
-      .keys = joinKeys(
-          fileKeys(kNeededInFile),
-          KeyTable{{"patches", NestedList{"a list of patches", patchKeys}, "", "Several grids, instead of the keys of one"},
-                   {"taxels", NestedList{"a list of at least one taxel", taxelKeys}, "", "Taxels with individual poses, at most 4096"},
-                   {"taxel_mesh", Nested{taxelMeshKeys}, "", "Taxels with individual poses, as the quadrilaterals of a mesh"},
-                   {"urdf", Nested{taxelUrdfKeys}, "", "Taxels with individual poses, from a URDF"}},
-          optional(gridKeys()), keysOfFields(kFrameRateFields), keysOfFields(kSensorFields),
-          KeyTable{
-              {"depth_sampling", Words{kDepthSamplingNames}, "point",
-               "point: the depth of a sample is that at the middle of its cell; area: the mean depth over its cell"},
-              {"skin", Nested{skinKeys}, kNeeded, "Skin"},
-              {"psf", Nested{psfKeys}, "no spread", "Point spread function"},
-              {"readout", Nested{readoutKeys}, kNeeded, "Electronics: counts = clip(round(output_scale y(x) + noise), 0, saturation)"}}),
+      .keys = joinKeys(fileKeys(kNeededInFile),
+                       KeyTable{{"patches", NestedList{"a list of patches", patchKeys}, "", "Several grids, instead of the keys of one"},
+                                {"taxels", NestedList{"a list of at least one taxel", taxelKeys}, "",
+                                 "Taxels with individual poses, at most " + std::to_string(kMaxListTaxels)},
+                                {"taxel_mesh", Nested{taxelMeshKeys}, "", "Taxels with individual poses, as the quadrilaterals of a mesh"},
+                                {"urdf", Nested{taxelUrdfKeys}, "", "Taxels with individual poses, from a URDF"}},
+                       optional(gridKeys()), keysOfFields(kFrameRateFields), keysOfFields(kSensorFields),
+                       KeyTable{{"depth_sampling", Words{kDepthSamplingNames}, "point",
+                                 "point: the depth of a sample is that at the middle of its cell; area: the mean depth over its cell"},
+                                {"skin", Nested{skinKeys}, kNeeded, "Skin"},
+                                {"psf", Nested{psfKeys}, "no spread", "Point spread function"},
+                                {"readout", Nested{readoutKeys}, kNeeded,
+                                 "Electronics: counts = clip(round(output_scale y(x) + noise), 0, saturation)"}}),
       .one_of = {"num_rows", "patches", "taxels", "taxel_mesh", "urdf"}};
   return block;
 }

@@ -5,7 +5,10 @@
 
 namespace taxelsim {
 
-// Also of a sensor in place, but for format_version.
+// Tolerance of the length of a quaternion; four decimal digits suffice.
+inline constexpr double kUnitTolerance = 1e-3;
+
+// A sensor in place has the same keys but format_version.
 const Block& sensorKeys();
 
 const Block& poseKeys();      // {position, rotation | rpy}
@@ -24,7 +27,7 @@ const Block& threeAxisKeys();
 
 // Keys that every file has: format_version, with that default, and name.
 KeyTable fileKeys(std::string format_version);
-// Of blocks that are also in place in another file.
+// Default of format_version in a block that may be in place in another file.
 inline constexpr const char* kNeededInFile = "required in a file of its own";
 // The key `sha256` of a file that another key names.
 Key sha256Key();

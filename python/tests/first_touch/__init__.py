@@ -1,0 +1,1 @@
+"""What a new user meets first: one test per trap that somebody fell into, each in the words of that user."""
