@@ -56,8 +56,7 @@ struct ColumnPlan {
   std::vector<Column> columns() const;  // all, in file order
 };
 
-// Plans the columns; the scene is of another kind than grasp. Throws Error(kInput) if scene.record has a name that is not a group of
-// columns.
+// The scene is of another kind than grasp. Throws Error(kInput) if scene.record has a name that is not a group of columns.
 ColumnPlan planColumns(const Scene& scene);
 
 // Bytes of one row.
