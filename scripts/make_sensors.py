@@ -36,7 +36,7 @@ readout:
 """
 
 # Readout of the real arrays of the WTS family. "The recordings": 17 presses of a SCHUNK finger with the manufacturer's matrix
-# (docs/validation.md, "A real matrix, predicted"), fitted by `taxelsim characterize`.
+# (docs/notes/validation.md, "A real matrix, predicted"), fitted by `taxelsim characterize`.
 WEISS = """\
   trigger: 0.042                     # source: the controller of the recordings subtracts about 100 counts, at 2400 counts/N
   adc_bits: 12                       # source: the manufacturer's headers

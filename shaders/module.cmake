@@ -2,7 +2,7 @@
 # -DSPIRV_DIS=... -DSPIRV_AS=... -P module.cmake. Intermediate files lie next to the header.
 #
 # spirv-opt inlines all functions and removes variables and unused code, once and not in every process. Then all arithmetic is marked as exact: no driver may rearrange or fuse
-# operations, so that two variants of a kernel compute the same bits from the same expressions (docs/decisions/0022-exact-arithmetic.md).
+# operations, so that two variants of a kernel compute the same bits from the same expressions (docs/notes/decisions/0022-exact-arithmetic.md).
 cmake_minimum_required(VERSION 3.20)
 
 function(run)

@@ -4,7 +4,7 @@
     PYTHONPATH=build/release/python build/venv/bin/python bench/python/dynamics_success.py --json bench/results/dynamics.json
 
 Prints a table in Markdown, in % with 95 % Wilson intervals. All policies play the same episodes. `scripts/campaign learn dynamics` writes
-the file of results and docs/benchmark.md.
+the file of results and docs/notes/benchmark.md.
 """
 
 from __future__ import annotations

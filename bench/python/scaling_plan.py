@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Computes the table of docs/scaling.md: 1e9 and 1e12 frames on 1,000 nodes, from measured costs and assumptions.
+"""Computes the table of docs/notes/scaling.md: 1e9 and 1e12 frames on 1,000 nodes, from measured costs and assumptions.
 
     python3 bench/python/scaling_plan.py
 
-MEASURED has costs of scenes/edge_servo.yaml on the machine of docs/scaling.md, ASSUMED what a cluster has. Change them for your own.
+MEASURED has costs of scenes/edge_servo.yaml on the machine of docs/notes/scaling.md, ASSUMED what a cluster has. Change them for your own.
 A time is that of the one resource that its row names, as if all others were free; the largest one is the bottleneck.
 """
 

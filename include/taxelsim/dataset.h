@@ -1,5 +1,5 @@
 /// @file
-/// Data sets on disk: HDF5 shards, a manifest, a virtual view over all shards (docs/file_formats.md). generate.h creates their content.
+/// Data sets on disk: HDF5 shards, a manifest, a virtual view over all shards (docs/reference/scene_file.md). generate.h creates their content.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@
 
 namespace taxelsim {
 
-/// Format of the data sets that DatasetWriter writes. Readers also read format 1 (docs/migration.md).
+/// Format of the data sets that DatasetWriter writes. Readers also read format 1 (docs/how_to/migration.md).
 inline constexpr std::uint64_t kDatasetFormat = 2;
 
 inline constexpr std::uint64_t kDefaultChunkBytes = std::uint64_t{256} << 10;  ///< Default of Manifest::chunk_bytes.
@@ -78,7 +78,7 @@ struct Manifest {
   std::string device;           ///< Name and driver of the device that created it.
   std::string policy{};         ///< Policy::id of the policy that acted; empty: the scene's controllers.
   /// SHA-256 of the probe, a few frames that every program computes before it may write: devices of equal names can compute different
-  /// values (docs/determinism.md). Empty: unknown, as in data sets of earlier versions.
+  /// values (docs/understand/determinism.md). Empty: unknown, as in data sets of earlier versions.
   std::string probe_sha256{};
   std::vector<Column> columns;  ///< Columns, without meta/episode_ends, which every shard has.
 

@@ -68,14 +68,14 @@ std::vector<DeviceInfo> listDevices();
 /// Threads: may be used from several threads at once. Submissions are serialised by a lock. Do not fork() while a device is open.
 ///
 /// The library does not change the environment of its process. open() binds each thread that Mesa's software driver computes with to a
-/// processor of the calling thread's affinity mask, if there is one such thread per processor (docs/drivers.md); the caller's threads stay
+/// processor of the calling thread's affinity mask, if there is one such thread per processor (docs/how_to/drivers.md); the caller's threads stay
 /// free.
 class Device {
  public:
   /// Opens a device. Waits.
   ///
   /// Throws Error(kDevice) when no device matches, with a list of those that exist, and when validation is requested but its layers are not
-  /// installed; Error(kInput) for an unknown name in the environment variable TAXELSIM_PLAIN (docs/performance.md).
+  /// installed; Error(kInput) for an unknown name in the environment variable TAXELSIM_PLAIN (docs/notes/performance.md).
   static Device open(const DeviceOptions& options = {});
 
   /// Description of the device; valid as long as any handle.

@@ -29,7 +29,7 @@ struct EvaluationPart {
 
   std::string program_version;  ///< Version of taxelsim that played the episodes.
   std::string device;           ///< Name and driver of the device.
-  /// SHA-256 of the features in a few first frames: devices of equal names can compute different values (docs/determinism.md).
+  /// SHA-256 of the features in a few first frames: devices of equal names can compute different values (docs/understand/determinism.md).
   std::string probe_sha256;
   std::string scene;                  ///< Scene::resolved.
   std::string condition;              ///< Scene::condition.
@@ -45,7 +45,7 @@ struct EvaluationPart {
 EvaluationPart evaluatePart(const Device& device, const Scene& scene, const std::vector<std::string>& controllers = {},
                             const EvaluateOptions& options = {});
 
-/// The part as JSON text with a SHA-256 of its content (docs/file_formats.md). The same part gives the same text.
+/// The part as JSON text with a SHA-256 of its content (docs/reference/other_files.md). The same part gives the same text.
 std::string evaluationPartText(const EvaluationPart& part);
 
 /// The part of such a text. `name`: of the file or the like, for messages. Throws Error(kInput) for other, damaged and altered text.

@@ -39,7 +39,7 @@ struct StaticExperiment {
   std::vector<double> loads;         ///< N, dead weights.
 };
 
-/// Reads a static experiment (docs/file_formats.md). Throws Error(kInput) with file, line, column and key.
+/// Reads a static experiment (docs/reference/experiment_file.md). Throws Error(kInput) with file, line, column and key.
 StaticExperiment loadStaticExperiment(const std::filesystem::path& file);
 
 /// Distance of an image I from the reference's R. Active taxels are those with a force above one count in either image.
@@ -112,7 +112,7 @@ struct ServoExperiment {
   std::vector<ServoSweep> sweeps;  ///< Gain sweeps.
 };
 
-/// Reads a dynamic experiment and its scene (docs/file_formats.md). Throws Error(kInput) with file, line, column and key.
+/// Reads a dynamic experiment and its scene (docs/reference/experiment_file.md). Throws Error(kInput) with file, line, column and key.
 ServoExperiment loadServoExperiment(const std::filesystem::path& file);
 
 /// A calibration with a flat pin, normal to the skin: counts against force in the middles of taxels (figure 5b), force against depth at
@@ -143,7 +143,7 @@ struct CalibrationExperiment {
   std::size_t numPlaces() const { return static_cast<std::size_t>(places) * static_cast<std::size_t>(places); }
 };
 
-/// Reads a calibration (docs/file_formats.md). Throws Error(kInput) with file, line, column and key.
+/// Reads a calibration (docs/reference/experiment_file.md). Throws Error(kInput) with file, line, column and key.
 CalibrationExperiment loadCalibrationExperiment(const std::filesystem::path& file);
 
 /// Recordings of a real sensor, which crossValidate() predicts from each other.
@@ -163,7 +163,7 @@ struct GraspExperiment {
   std::vector<double> gains;  ///< 1/s, each > 0 to the simulation rate.
 };
 
-/// Reads an experiment with a grasp and its scene (docs/file_formats.md). Throws Error(kInput) with file, line, column and key.
+/// Reads an experiment with a grasp and its scene (docs/reference/experiment_file.md). Throws Error(kInput) with file, line, column and key.
 GraspExperiment loadGraspExperiment(const std::filesystem::path& file);
 
 /// An experiment of any kind.

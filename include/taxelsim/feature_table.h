@@ -12,7 +12,7 @@
 //   recorded  in which data sets the feature is a column: "always", "never", or "elastic_layer" for those of that law
 //   text      description; {} is replaced by the source of the feature
 // shaders/shared/features.h makes offsets of them, taxelsim/features.h the views, src/simulation/feature_table.cpp columns, JSON and text,
-// python/features.py the classes of taxelsim.frame. docs/data_set.md is tested against them.
+// python/features.py the classes of taxelsim.frame. docs/reference/data_set.md is tested against them.
 
 // Features of an image of forces.
 #define TAXELSIM_IMAGE_FEATURES(X)                                                                                                   \

@@ -163,11 +163,11 @@ struct SceneOverrides {
   bool refuse_folders = false;
 };
 
-/// Reads waypoints from a CSV file (docs/file_formats.md). Throws Error(kInput) with file, line, column, the value found and what is
+/// Reads waypoints from a CSV file (docs/reference/scene_file.md). Throws Error(kInput) with file, line, column, the value found and what is
 /// allowed.
 std::vector<Waypoint> loadWaypoints(const std::filesystem::path& file);
 
-/// Reads a closed polyline (m) from a CSV file (docs/file_formats.md). Throws what loadWaypoints() throws.
+/// Reads a closed polyline (m) from a CSV file (docs/reference/scene_file.md). Throws what loadWaypoints() throws.
 std::vector<Vector3> loadContour(const std::filesystem::path& file);
 
 /// Reads and checks a scene and all files that it names. Throws Error(kInput) with file, line, column, key, the value found and what is

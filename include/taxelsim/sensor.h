@@ -266,7 +266,7 @@ struct CurvePoint {
 ///     counts = clip(round(output_scale y / (1 + y / curve_limit) + noise), 0, saturation)
 ///
 /// Below x = 0 the curve continues as a straight line, so that noise passes the trigger as in the electronics
-/// (docs/decisions/0005-noise-before-the-trigger.md).
+/// (docs/notes/decisions/0005-noise-before-the-trigger.md).
 ///
 /// F follows the spread force over time: hysteresis, then creep, low-pass and delay. A reset leaves the sensor as if it had been unloaded
 /// for long. Time advances at every step, with the spread force constant within the step.
@@ -355,7 +355,7 @@ double nominalForce(const Readout& readout, double counts);
 /// Throws Error(kInput) with the field, its value and what is allowed.
 void checkSensor(const Sensor& sensor);
 
-/// Reads a sensor file (docs/file_formats.md). Throws Error(kInput) with file, line, column and key.
+/// Reads a sensor file (docs/reference/sensor_file.md). Throws Error(kInput) with file, line, column and key.
 Sensor loadSensor(const std::filesystem::path& file);
 
 /// Text of a sensor file, all settings in SI units; loadSensor() reads it as the same sensor.

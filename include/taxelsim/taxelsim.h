@@ -1,11 +1,8 @@
 /// @file
-/// All of libtaxelsim in one include.
-#pragma once
-
-/// Batched simulation of tactile sensing arrays on Vulkan devices.
+/// All of libtaxelsim in one include: batched simulation of tactile sensing arrays on Vulkan devices.
 ///
 /// Units are SI throughout: m, N, Pa, s, rad. Electrical output is in counts. `X_AB` is the pose of frame B in frame A; S is the frame of a
-/// sensor, P of a patch, O of an object, W the world (docs/conventions.md). A shape such as `(N x 3)` behind an array is row-major.
+/// sensor, P of a patch, O of an object, W the world (docs/reference/conventions.md). A shape such as `(N x 3)` behind an array is row-major.
 ///
 /// Errors: bad input, device failures and file system failures throw taxelsim::Error. Wrong use of an object throws std::logic_error.
 ///
@@ -17,6 +14,9 @@
 /// - Free functions: several threads may call them at once, unless they write the same files. generate(), evaluate() and the experiments
 ///   block their caller and start threads of their own.
 /// - fork(): not while a Device is open.
+#pragma once
+
+/// The library libtaxelsim.
 namespace taxelsim {}
 
 #include "taxelsim/characterize.h"

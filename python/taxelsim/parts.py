@@ -44,7 +44,7 @@ class EvaluationPart:
         return self._core.device
 
     def to_json(self) -> str:
-        """The part as text, with a SHA-256 of its content (docs/file_formats.md)."""
+        """The part as text, with a SHA-256 of its content (docs/reference/other_files.md)."""
         return self._core.text()
 
     @classmethod

@@ -16,10 +16,11 @@ def first_program(document: str, heading: str) -> str:
     return re.search(r"```python\n(.*?)```", text[text.index(heading) :], re.DOTALL).group(1)
 
 
-@pytest.mark.parametrize(("document", "heading"), [("README.md", "## From Python"), ("docs/python.md", "## A first batch")])
+@pytest.mark.parametrize(
+    ("document", "heading"), [("README.md", "## Ten lines of Python"), ("docs/reference/python.md", "## A first batch")]
+)
 def test_the_first_batch_runs(document, heading, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(taxelsim, "generate", lambda scene, out: taxelsim.load_scene(scene))  # it would take minutes
     names: dict = {}
     exec(first_program(document, heading), names)
     frame = names["frame"]
@@ -29,7 +30,7 @@ def test_the_first_batch_runs(document, heading, monkeypatch, tmp_path):
 
 
 def test_the_tour_runs_and_makes_its_pictures(monkeypatch, tmp_path, capsys):
-    text = (ROOT / "docs/tour.md").read_text()
+    text = (ROOT / "docs/start/tour.md").read_text()
     blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
     assert len(blocks) == 7
     monkeypatch.chdir(tmp_path)
@@ -44,7 +45,22 @@ def test_the_tour_runs_and_makes_its_pictures(monkeypatch, tmp_path, capsys):
     output = capsys.readouterr().out
     assert "(4, 6, 14)" in output
     assert "align - principal_axis: " in output
-    shown = re.findall(r"\(images/(\w+\.png)\)", text)
+    shown = re.findall(r"\(\.\./images/(\w+\.png)\)", text)
     assert sorted(file.name for file in tmp_path.glob("*.png")) == sorted(shown)
     for name in shown:
         assert (ROOT / "docs/images" / name).read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_readme_is_short_and_shows_code_early():
+    text = (ROOT / "README.md").read_text()
+    assert len(text.encode()) <= 6000
+    assert text[: text.index("```")].count("\n") < 25
+    for picture in re.findall(r"\]\((docs/images/[\w/.]+)\)", text):
+        assert (ROOT / picture).stat().st_size < 2_000_000
+
+
+def test_links_of_pages_outside_the_site_exist():
+    for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "THIRD_PARTY.md", "bench/README.md", "deploy/README.md"):
+        page = ROOT / name
+        for target in re.findall(r"\]\(([^)#\s:]+)(?:#[^)]*)?\)", page.read_text()):
+            assert (page.parent / target).exists(), f"{name}: {target}"

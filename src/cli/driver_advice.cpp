@@ -7,7 +7,7 @@ namespace taxelsim::cli {
 namespace {
 
 // Oldest measured lavapipe that does not split shared memory and buffer loads into lanes, and its gain over 22.3.6 in the cases
-// of docs/drivers.md.
+// of docs/how_to/drivers.md.
 constexpr int kFastMesa = 25;
 constexpr const char* kGain = "1.04 to 1.66";
 
@@ -29,7 +29,7 @@ std::string driverAdvice(const DeviceInfo& device) {
   const int major = majorOfMesa(device.driver);
   if (major == 0 || major >= kFastMesa) return {};
   return "device " + std::to_string(device.index) + ": lavapipe of Mesa " + std::to_string(kFastMesa) + " computes " + kGain +
-         " times as many frames/s as this driver; scripts/newer_mesa unpacks it (docs/drivers.md)";
+         " times as many frames/s as this driver; scripts/newer_mesa unpacks it (docs/how_to/drivers.md)";
 }
 
 }  // namespace taxelsim::cli

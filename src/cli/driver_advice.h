@@ -7,7 +7,7 @@
 
 namespace taxelsim::cli {
 
-// One line of advice, or empty. Measurements: docs/drivers.md.
+// One line of advice, or empty. Measurements: docs/how_to/drivers.md.
 std::string driverAdvice(const DeviceInfo& device);
 
 }  // namespace taxelsim::cli

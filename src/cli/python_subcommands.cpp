@@ -64,7 +64,7 @@ void runInPython(int argc, char** argv) {
   if (command.empty()) return;
   const std::string problem = messageLine(command +
                                           " needs the Python package taxelsim, which python3 does not find: pip install . in a virtual "
-                                          "environment (docs/python.md)");
+                                          "environment (docs/reference/python.md)");
   const std::string line = "taxelsim: " + problem;
   std::vector<const char*> words{"python3", "-c", kStart, line.c_str()};
   words.insert(words.end(), argv + 1, argv + argc);

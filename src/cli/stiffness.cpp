@@ -326,7 +326,7 @@ void addStiffness(CLI::App& app, Action& action) {
   command->footer(
       "Examples:\n  taxelsim stiffness --shore-a 30 --thickness 0.002\n"
       "  taxelsim stiffness --pin-force 2 --pin-depth 0.001 --pin-diameter 0.001 --thickness 0.002 --law winkler\n"
-      "Prints the block `skin` of a sensor file for each law, and what the laws predict. docs/stiffness.md has the formulas.");
+      "Prints the block `skin` of a sensor file for each law, and what the laws predict. docs/how_to/stiffness.md has the formulas.");
   const auto arguments = std::make_shared<StiffnessArguments>();
   addSources(*command, *arguments);
   command->add_option("--thickness", arguments->thickness, "Thickness of the skin, m")->required()->type_name("M");

@@ -1,4 +1,4 @@
-// The manifest of a data set, dataset.yaml: everything that determines its content. docs/file_formats.md has the format.
+// The manifest of a data set, dataset.yaml: everything that determines its content. docs/reference/scene_file.md has the format.
 #pragma once
 
 #include <cstdint>

@@ -21,7 +21,7 @@ constexpr std::uintmax_t kMaxBytes = std::uintmax_t{4} << 30;
 constexpr std::size_t kMaxVerdicts = std::size_t{1} << 24;
 constexpr const char* kDigits = "0123456789abcdef";
 
-// Calls `visit` with every member of a verdict but the number of its episode, in the order of the text (docs/file_formats.md).
+// Calls `visit` with every member of a verdict but the number of its episode, in the order of the text (docs/reference/other_files.md).
 template <typename AnyVerdict, typename Visit>
 void visitMembers(AnyVerdict& verdict, Visit visit) {
   visit(verdict.object);

@@ -1,4 +1,4 @@
-// Processors of the threads that Mesa's software driver computes with (docs/decisions/0025-driver-threads.md).
+// Processors of the threads that Mesa's software driver computes with (docs/notes/decisions/0025-driver-threads.md).
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// Conditions of a scene: named overrides of its sensor and of single keys of its randomization (docs/file_formats.md).
+// Conditions of a scene: named overrides of its sensor and of single keys of its randomization (docs/reference/scene_file.md).
 #pragma once
 
 #include <string>

@@ -8,7 +8,7 @@
 
 namespace taxelsim {
 
-// Reads the block `contact_points` and its file (docs/file_formats.md). scene.sensor and scene.num_steps must have been read.
+// Reads the block `contact_points` and its file (docs/reference/scene_file.md). scene.sensor and scene.num_steps must have been read.
 ContactRecording readContactRecording(const YamlMap& map, const std::filesystem::path& directory, const Scene& scene);
 
 }  // namespace taxelsim

@@ -1,4 +1,4 @@
-// Experiment files (docs/file_formats.md), one reader per kind.
+// Experiment files (docs/reference/experiment_file.md), one reader per kind.
 #pragma once
 
 #include <filesystem>

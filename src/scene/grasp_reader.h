@@ -1,4 +1,4 @@
-// The blocks `grasp` and `randomization` of a scene of kind grasp (docs/file_formats.md).
+// The blocks `grasp` and `randomization` of a scene of kind grasp (docs/reference/scene_file.md).
 #pragma once
 
 #include "scene/yaml_reader.h"

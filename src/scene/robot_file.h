@@ -1,4 +1,4 @@
-// Robot files, and the `robot` block of a scene (docs/file_formats.md).
+// Robot files, and the `robot` block of a scene (docs/reference/scene_file.md).
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// Sensor files, and the `sensor` block of a scene (docs/file_formats.md).
+// Sensor files, and the `sensor` block of a scene (docs/reference/sensor_file.md).
 #pragma once
 
 #include <cstdint>

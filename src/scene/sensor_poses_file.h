@@ -13,7 +13,7 @@ namespace taxelsim {
 
 class SensorPoses {
  public:
-  // Reads a CSV file (docs/file_formats.md). max_episode, max_step: largest numbers allowed. Throws Error(kInput) with file, line, column,
+  // Reads a CSV file (docs/reference/scene_file.md). max_episode, max_step: largest numbers allowed. Throws Error(kInput) with file, line, column,
   // the value found and what is allowed.
   SensorPoses(const std::filesystem::path& file, std::uint64_t max_episode, std::uint64_t max_step);
 

@@ -1,4 +1,4 @@
-// Taxels with individual poses: a list, a mesh, a URDF (docs/file_formats.md).
+// Taxels with individual poses: a list, a mesh, a URDF (docs/reference/sensor_file.md).
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks the architecture of src/ (docs/architecture.md): includes point down the floors only. Checks the lengths of files and functions as well.
+"""Checks the architecture of src/ (docs/notes/architecture.md): includes point down the floors only. Checks the lengths of files and functions as well.
 
     architecture.py ROOT    prints one line per fault, exits with 1 if there is any
 """

@@ -1,4 +1,4 @@
-"""Compares the limits that docs/threat_model.md lists with the constants of the code.
+"""Compares the limits that docs/notes/threat_model.md lists with the constants of the code.
 
     python3 check_limits.py ROOT
 """
@@ -21,15 +21,15 @@ def value(text: str) -> int:
 def problems(root: pathlib.Path) -> list[str]:
     """One line for each row that the code contradicts."""
     found = []
-    rows = ROW.findall((root / "docs/threat_model.md").read_text())
+    rows = ROW.findall((root / "docs/notes/threat_model.md").read_text())
     if not rows:
-        found.append("docs/threat_model.md: no row of the table of limits found")
+        found.append("docs/notes/threat_model.md: no row of the table of limits found")
     for listed, name, file in rows:
         constant = re.search(rf"constexpr [\w:]+ {name} = ([^;]+);", (root / file).read_text())
         if constant is None:
-            found.append(f"docs/threat_model.md: {file} has no constant {name}")
+            found.append(f"docs/notes/threat_model.md: {file} has no constant {name}")
         elif value(constant[1]) != value(listed):
-            found.append(f"docs/threat_model.md: {name} is {listed}, but {constant[1]} in {file}")
+            found.append(f"docs/notes/threat_model.md: {name} is {listed}, but {constant[1]} in {file}")
     return found
 
 

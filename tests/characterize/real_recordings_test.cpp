@@ -34,7 +34,7 @@ TEST(RealRecordingsStudy, AMatrixPredictsLoadsThatWereLeftOut) {
   const std::vector<CrossValidation> results = crossValidate(experiment);
   std::printf("%s", figures::crossValidationText(results, experiment.light_below).c_str());
   const std::vector<Predictor>& predictors = results.front().predictors;
-  // Measured and rounded up; all eight loads: docs/validation.md.
+  // Measured and rounded up; all eight loads: docs/notes/validation.md.
   EXPECT_LT(m4(predictors[0], 0), 0.2);
   EXPECT_LT(m4(predictors[0], 0), m4(predictors[2], 0)) << "a blurred footprint with one gain";
   // Processor time, since other programs share the machine: four fits of at most 60 s.

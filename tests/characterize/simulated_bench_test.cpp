@@ -1,5 +1,5 @@
 // Round trip through the simulator: a known sensor is simulated on a bench, `characterize` fits a sensor to the measurements, and both are
-// pressed where the fit has not seen them. Prints the table of docs/validation.md.
+// pressed where the fit has not seen them. Prints the table of docs/notes/validation.md.
 #include "characterize/simulated_bench.h"
 #include "base/median.h"
 #include "reference/psf.h"

@@ -9,7 +9,7 @@ namespace {
 
 struct Recording {
   const char* name;
-  double most_rms;  // of the largest output: misfit of the readout model, measured and rounded up (docs/validation.md)
+  double most_rms;  // of the largest output: misfit of the readout model, measured and rounded up (docs/notes/validation.md)
 };
 
 // Without pike1_force_1, whose baseline drifts by more than the response.

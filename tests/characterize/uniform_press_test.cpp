@@ -18,7 +18,7 @@ using support::holds;
 using ::testing::HasSubstr;
 
 constexpr double kPressSpread = 0.174;  // of the paper, figure 6a
-constexpr double kTaxelScatter = 0.04;  // docs/validation.md: repeated presses of a real finger
+constexpr double kTaxelScatter = 0.04;  // docs/notes/validation.md: repeated presses of a real finger
 constexpr int kTaxels = 48;
 
 double drawnAs(std::uint64_t seed, std::uint32_t frame, std::uint32_t taxel) {

@@ -72,7 +72,7 @@ TEST(Arguments, PicturesArePngFiles) {
   expectRefused(runTaxelsim({"frame", "--sensor", "s.yaml", "--png", "x.jpg"}), "--png: x.jpg: pictures are PNG files");
   expectRefused(runTaxelsim({"evaluate", "s.yaml", "--png", "x"}), "--png: x: pictures are PNG files");
   expectRefused(runTaxelsim({"compare", "a", "b", "-o", "x.svg"}), "--output: x.svg: pictures are PNG files");
-  expectRefused(runTaxelsim({"render", "a", "-o", "png"}), "--output: png: the name must end in .png, or in .mp4 or .gif");
+  expectRefused(runTaxelsim({"render", "a", "-o", "png"}), "--output: png: the name must end in .png, or in .webp, .mp4 or .gif");
 }
 
 // Poses are checked before files are opened or devices listed.

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Runs docs/recipes.md: writes the files that it shows, runs its commands and its Python, in its order.
+"""Runs the recipes of docs/how_to/: writes the files that it shows, runs its commands and its Python, in its order.
 
-    recipes_test.py TAXELSIM [RECIPES]
+    recipes_test.py TAXELSIM [PAGE ...]
 
 A block of code whose first line is a comment with a file name becomes that file, `sh` blocks are commands, `python` blocks run in this
 interpreter. Fails at the first command that fails or prints a warning, and if a file that a command should write is missing.
@@ -14,6 +14,7 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+RECIPES = "own_sensor", "own_mesh", "labelled_data", "press_hold_slide", "characterise"
 
 
 def blocks(text):
@@ -38,12 +39,12 @@ def run_command(line, program, folder):
 
 def main():
     program = pathlib.Path(sys.argv[1]).resolve()
-    recipes = pathlib.Path(sys.argv[2]) if len(sys.argv) > 2 else ROOT / "docs" / "recipes.md"
+    pages = [pathlib.Path(word) for word in sys.argv[2:]] or [ROOT / f"docs/how_to/{name}.md" for name in RECIPES]
     num_commands = 0
     with tempfile.TemporaryDirectory() as directory:
         folder = pathlib.Path(directory)
         (folder / "scenes").symlink_to(ROOT / "scenes")
-        for language, content in blocks(recipes.read_text()):
+        for language, content in blocks("\n".join(page.read_text() for page in pages)):
             if language == "sh":
                 for line in content.splitlines():
                     run_command(line, program, folder)

@@ -2,7 +2,7 @@
 
     python3 worst_inputs.py TAXELSIM SCENES FOLDER [KIND ...]
 
-SCENES: the folder scenes/ of the clone; FOLDER: for the inputs, 2 GB. Prints rows of Markdown for docs/reliability.md.
+SCENES: the folder scenes/ of the clone; FOLDER: for the inputs, 2 GB. Prints rows of Markdown for docs/notes/reliability.md.
 """
 
 import collections.abc

@@ -1,4 +1,4 @@
-// docs/data_set.md has every feature of the feature table, with the same shape, unit, frame and text.
+// docs/reference/data_set.md has every feature of the feature table, with the same shape, unit, frame and text.
 #include "simulation/feature_table.h"
 #include "support/test.h"
 
@@ -6,7 +6,7 @@ namespace taxelsim {
 namespace {
 
 std::string document() {
-  std::ifstream file(TAXELSIM_SOURCE_DIR "/docs/data_set.md");
+  std::ifstream file(TAXELSIM_SOURCE_DIR "/docs/reference/data_set.md");
   std::ostringstream text;
   text << file.rdbuf();
   return text.str();

@@ -7,7 +7,7 @@ Compares hashes, not files: the `sha256` attribute of each column of thirteen da
 prints in forty-two cases. Hashes hold for one driver, compiler and kind of CPU, which make up the key of hashes.json. With an unknown key, columns
 and arrays are compared with the stored values of values.npz instead: integers within 1, floats within FLOAT_TOLERANCE of the largest value of
 their column, except for the share SILHOUETTE_SHARE of values, where a sample on an object's silhouette may fall to either side of it
-(docs/determinism.md).
+(docs/understand/determinism.md).
 
 --renew stores the present values. Name the columns that changed, and why, in CHANGELOG.md.
 """

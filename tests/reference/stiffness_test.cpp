@@ -56,7 +56,7 @@ std::pair<double, double> forceAndArea(const reference::Layer& layer, Inside ins
   return {totalForce(layer, solveLayer(layer, overlap).pressure), area};
 }
 
-// docs/stiffness.md: a hexagon of 124 mm^2 sinks as the disc of the same area, within 2 %.
+// docs/how_to/stiffness.md: a hexagon of 124 mm^2 sinks as the disc of the same area, within 2 %.
 TEST(StiffnessPrediction, HexagonIsNearlyTheDiscOfTheSameArea) {
   for (const double nu : {0.0, 0.3, 0.49, 0.4999}) {
     const reference::Layer layer = reference::makeLayer(sensorWith(layerOf(nu)));

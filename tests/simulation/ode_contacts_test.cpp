@@ -1,5 +1,5 @@
 // Contacts found by ODE, the paper's engine, through the `contacts` source, against `winkler` on the same poses. Where theory says that the
-// two agree it is asserted; where they differ the differences are printed, and docs/validation.md quotes them.
+// two agree it is asserted; where they differ the differences are printed, and docs/notes/validation.md quotes them.
 #include "support/ode_contacts.h"
 #include "reference/skin_mesh.h"
 #include "simulation/comparison.h"
@@ -234,7 +234,7 @@ void print(const char* object, const std::string& sensor, int cap, const Differe
   }
 }
 
-// The table of docs/validation.md. Asserted is only what the usual cap does: in some pose it turns the direction by tens of degrees and
+// The table of docs/notes/validation.md. Asserted is only what the usual cap does: in some pose it turns the direction by tens of degrees and
 // moves the centre by more than a taxel, where the whole list of the same contacts gives both.
 TEST(Ode, OnTheSensorOfThePaper) {
   const Sensor sensor = loadSensor(std::string(TAXELSIM_SOURCE_DIR) + "/scenes/sensors/wts0614_soft_cover.yaml");

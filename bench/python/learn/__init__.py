@@ -1,1 +1,1 @@
-"""The benchmark of learned policies: training, evaluation and docs/benchmark.md. Uses the public interface of taxelsim only."""
+"""The benchmark of learned policies: training, evaluation and docs/notes/benchmark.md. Uses the public interface of taxelsim only."""

@@ -2,7 +2,7 @@
 
 python -m learn run TASK --folder DIR    trains, evaluates, writes bench/results/learn-TASK.json and the page
 python -m learn dynamics --folder DIR    the same by PPO for the tasks with dynamics; bench/results/dynamics-ppo.json
-python -m learn page                     writes docs/benchmark.md and its picture from bench/results/
+python -m learn page                     writes docs/notes/benchmark.md and its picture from bench/results/
 
 DIR keeps networks and evaluations: a run that was stopped skips what is complete. --episodes N: of an evaluation, default 1000.
 --set KEY=VALUE replaces a setting of the recipe.
@@ -30,7 +30,7 @@ from .recipe import DYNAMIC_RECIPES, RECIPES, TRAINING_SEED, recipe_of
 RESULTS = ROOT / "bench/results"
 DYNAMICS = RESULTS / "dynamics.json"  # of bench/python/dynamics_success.py
 TRAINED_DYNAMICS = RESULTS / "dynamics-ppo.json"
-PAGE, PICTURE = ROOT / "docs/benchmark.md", ROOT / "docs/images/benchmark_curves.png"
+PAGE, PICTURE = ROOT / "docs/notes/benchmark.md", ROOT / "docs/images/benchmark_curves.png"
 HERE = Path(__file__).parent
 
 
@@ -106,7 +106,7 @@ def results() -> dict[str, dict[str, Any]]:
 
 
 def page_text() -> str:
-    """docs/benchmark.md."""
+    """docs/notes/benchmark.md."""
     found = results()
     notes = {task: file.read_text() for task in found if (file := HERE / "notes" / f"{task}.md").exists()}
     trained = json.loads(TRAINED_DYNAMICS.read_text())["tasks"] if TRAINED_DYNAMICS.exists() else None

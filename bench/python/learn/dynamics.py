@@ -1,4 +1,4 @@
-"""The part of docs/benchmark.md about the tasks with dynamics: scripts, from bench/results/dynamics.json of dynamics_success.py, and
+"""The part of docs/notes/benchmark.md about the tasks with dynamics: scripts, from bench/results/dynamics.json of dynamics_success.py, and
 policies trained by PPO, from bench/results/dynamics-ppo.json.
 """
 
@@ -139,7 +139,7 @@ def section(result: Mapping[str, Any], notes: str, trained: Mapping[str, Any] | 
     device = f"{machine['driver']}, {machine['cores']} cores of {machine['cpu']}"
     parts = [
         "## Tasks with dynamics",
-        "`Push`, `Roll`, `GraspHold` and `PegInsert` ([tasks.md](tasks.md#tasks-with-dynamics)): MuJoCo moves the bodies, and scripts act. "
+        "`Push`, `Roll`, `GraspHold` and `PegInsert` ([Tasks with dynamics](../reference/tasks.md#tasks-with-dynamics)): MuJoCo moves the bodies, and scripts act. "
         '"Without shear": the same script without the shear force; "blind": the same script with assumptions in place of all readings. '
         f"{'PPO is below.' if trained else 'No policy was trained on these tasks.'}",
         f"{result['episodes']:,} episodes per cell, seed {result['seed']}. Success in %, with 95 % Wilson intervals:",

@@ -1,4 +1,4 @@
-"""docs/benchmark.md from the result files."""
+"""docs/notes/benchmark.md from the result files."""
 
 from __future__ import annotations
 

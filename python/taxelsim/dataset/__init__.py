@@ -1,4 +1,4 @@
-"""Data sets on disk (docs/data_set.md). Needs the package h5py."""
+"""Data sets on disk (docs/reference/data_set.md). Needs the package h5py."""
 
 from .column import Column
 from .dataset import Dataset

@@ -4,7 +4,7 @@
 >>> taxelsim.ray.generate(taxelsim.SCENES / "edge_servo.yaml", "out")  # a local cluster of its own, on loopback, without a dashboard
 >>> taxelsim.ray.generate("/nfs/scene.yaml", "s3://bucket/set", address="auto", kind="h100")  # joins a cluster
 
-docs/clusters.md has the guarantees, and the ports that Ray listens on.
+docs/how_to/clusters.md has the guarantees, and the ports that Ray listens on.
 """
 
 try:

@@ -30,7 +30,7 @@ class Workers:
     cpus: float = 1.0
     """Logical processors, > 0. A software driver uses as many threads, at least one."""
     gpus: float = 0.0
-    """Ray's GPUs, >= 0. Ray chooses no Vulkan device: see docs/clusters.md."""
+    """Ray's GPUs, >= 0. Ray chooses no Vulkan device: see docs/how_to/clusters.md."""
 
     @property
     def threads(self) -> int:

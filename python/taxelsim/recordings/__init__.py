@@ -1,4 +1,4 @@
-"""Recordings of real sensors as measurements for `characterize` and `compare` (docs/measurements.md)."""
+"""Recordings of real sensors as measurements for `characterize` and `compare` (docs/how_to/measurements.md)."""
 
 from .measurement import KINDS, Measurement, write_measurement
 from .recording import Recording, read_csv, read_lerobot

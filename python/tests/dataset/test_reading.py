@@ -116,7 +116,7 @@ def test_the_program_of_the_document_runs(raw, tmp_path, monkeypatch):
     (tmp_path / "out").symlink_to(raw)
     monkeypatch.chdir(tmp_path)
     names = {"taxelsim": taxelsim}
-    exec(first_program("docs/python.md", "## Data sets"), names)
+    exec(first_program("docs/reference/python.md", "## Data sets"), names)
     assert names["frames"]["data/tactile_image"].shape == (3, 6, 14)
     assert names["frames"]["meta/object"].shape == (3,)
     assert len(names["windows"]) == 20

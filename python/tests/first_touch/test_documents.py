@@ -36,7 +36,7 @@ def test_ppo_of_the_page_is_trained_as_long_as_the_example() -> None:
     assert f'"{steps}"' in (ROOT / "examples/train_ppo.py").read_text(), "the default of NUM_STEPS"
     assert f"num_steps: int = {steps:_}\n" in (ROOT / "bench/python/learn/recipe.py").read_text(), "the default of the program"
     assert found["curves"]["ppo"]["points"][-1]["steps"] >= steps
-    assert f"| PPO | {found['curves']['ppo']['steps']:,} environment steps |" in (ROOT / "docs/benchmark.md").read_text()
+    assert f"| PPO | {found['curves']['ppo']['steps']:,} environment steps |" in (ROOT / "docs/notes/benchmark.md").read_text()
 
 
 # == inspect says what it verified ==
@@ -63,8 +63,8 @@ def test_inspect_says_that_nothing_has_changed(tmp_path):
 @pytest.mark.parametrize(
     ("page", "smaller"),
     [
-        ("python.md", {"N = 4096": "N = 8"}),
-        ("environments.md", {"num_envs=4096": "num_envs=2", "num_episodes=100": "num_episodes=2"}),
+        ("reference/python.md", {"N = 4096": "N = 8"}),
+        ("how_to/environments.md", {"num_envs=4096": "num_envs=2", "num_episodes=100": "num_episodes=2"}),
     ],
 )
 def test_blocks_of_a_page_run_as_one_program(page, smaller, monkeypatch, tmp_path):

@@ -6,8 +6,10 @@ from pathlib import Path
 
 import av
 import h5py
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from PIL import Image
 from taxelsim._pictures import EpisodePictures
 
 import taxelsim
@@ -15,7 +17,7 @@ import taxelsim.envs
 import taxelsim.mujoco
 from taxelsim.envs import TactileEnv
 from taxelsim.export import FORMATS, Options, export
-from taxelsim.pictures import TAXEL_COUNTS, range_of, tactile_pictures
+from taxelsim.pictures import TAXEL_COUNTS, colour_map, colours_of, draw_taxels, range_of, save_figure, tactile_pictures
 from taxelsim.program import PROGRAM
 from taxelsim.report import summarize
 
@@ -126,3 +128,27 @@ def test_noise_is_no_bright_picture() -> None:
     pictures = tactile_pictures(sensor, noise)
     assert pictures[..., 0].max() < 60  # neither yellow nor red
     assert pictures.max() < 160
+
+
+def test_figures_of_matplotlib_have_the_colours_of_pictures(tmp_path: Path) -> None:
+    levels = np.linspace(0, 1, 256)
+    np.testing.assert_array_equal(np.rint(255 * colour_map()(levels)[:, :3]), colours_of(levels))
+
+    sensor = taxelsim.load_sensor(taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml")
+    counts = np.zeros((6, 14))
+    counts[0, 13] = 100
+    figure, axes = plt.subplots(figsize=(4, 2))
+    image = draw_taxels(axes, sensor, counts)
+    x, y = 1e3 * sensor.taxel_positions.reshape(6, 14, 3)[0, 13, :2]
+    left, right, bottom, top = image.get_extent()
+    rows, cols = image.get_array().shape
+    assert image.get_array()[int((x - top) / (bottom - top) * rows), int((y - left) / (right - left) * cols)] == 100
+    assert image.get_array().sum() == 100 * rows * cols / 84
+    assert image.get_clim() == (0, 100)
+
+    save_figure(tmp_path / "figure.png", figure)
+    plt.close(figure)
+    with Image.open(tmp_path / "figure.png") as saved:
+        assert saved.mode == "P"
+        assert saved.size == (400, 200)
+        assert (253, 231, 37) in {colour for _, colour in saved.convert("RGB").getcolors()}

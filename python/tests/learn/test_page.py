@@ -1,4 +1,4 @@
-"""Tables and sentences of docs/benchmark.md."""
+"""Tables and sentences of docs/notes/benchmark.md."""
 
 import json
 from pathlib import Path
@@ -74,7 +74,7 @@ def test_findings_name_the_policies_that_are_better(learn_page):
 def test_the_page_is_that_of_the_committed_results(learn_page):
     from learn.__main__ import page_text
 
-    assert (ROOT / "docs/benchmark.md").read_text() == page_text()
+    assert (ROOT / "docs/notes/benchmark.md").read_text() == page_text()
 
 
 def test_committed_results_are_complete(learn_page):

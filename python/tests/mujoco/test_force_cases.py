@@ -17,7 +17,7 @@ RESTS = {
     "roof": (0.981, (1, 2)),
 }
 SUM_ERROR = 1e-4  # relative: of the load search, which ends at float32's resolution of the depth
-CENTRE_ERROR = 0.4  # mm: an image of taxels of 3.4 mm, as docs/validation.md has it
+CENTRE_ERROR = 0.4  # mm: an image of taxels of 3.4 mm, as docs/notes/validation.md has it
 
 
 def test_all_scenes_are_here() -> None:

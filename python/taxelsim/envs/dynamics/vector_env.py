@@ -56,7 +56,7 @@ CONDITION_OF = dict(
         strict=True,
     )
 )
-"""The conditions of docs/tasks.md."""
+"""The conditions of docs/reference/tasks.md."""
 
 
 @dataclass(frozen=True)

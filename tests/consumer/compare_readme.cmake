@@ -1,7 +1,0 @@
-# Fails unless README contains the text of PROGRAM as a code block.
-file(READ ${README} readme)
-file(READ ${PROGRAM} program)
-string(FIND "${readme}" "```cpp\n${program}```" place)
-if(place EQUAL -1)
-  message(FATAL_ERROR "${README} has no code block equal to ${PROGRAM}")
-endif()
