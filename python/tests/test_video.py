@@ -116,6 +116,20 @@ def test_render_writes_a_video_of_an_episode(data, tmp_path, suffix, speed, num_
     assert any((picture != pictures[0]).any() for picture in pictures[1:])
 
 
+def test_a_video_shows_the_object_where_its_pose_and_features_are_recorded(data, tmp_path, device):
+    scene = write_scene(tmp_path, record="tactile_image, features, poses")
+    taxelsim.generate(scene, tmp_path / "data", device=device, episodes=range(1))
+    pictures = EpisodePictures(str(tmp_path / "data"), 0)
+    assert pictures.without_view == ""
+    assert pictures.draw(0).shape == (768, 900, 3)
+    assert (pictures.draw(0) != pictures.draw(1)).any()
+    plain = EpisodePictures(str(data), EPISODE)
+    assert plain.without_view.startswith(f"{data}: no column data/total_force")
+    done = run(data, "-o", tmp_path / "a.gif", "--episode", EPISODE)
+    assert done.returncode == 0
+    assert f"shows the tactile image alone: {plain.without_view}" in done.stderr
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -28,6 +28,7 @@ constexpr const char* kData = "data/";         // group of the columns of one se
 constexpr const char* kTactileImage = "tactile_image";  // below its group
 constexpr const char* kTaxelCounts = "taxel_counts";    // as above, of three-axis taxels
 constexpr const char* kTime = "data/time";
+constexpr const char* kObject = "meta/object";
 constexpr const char* kObjectName = "meta/object_name";
 constexpr std::array kShown{kTactileImage, kTaxelCounts,      "total_force",        "ground_truth/total_force",
                             "edge_angle",  "edge_confidence", "center_of_pressure", "eigenvalues"};
@@ -129,15 +130,42 @@ Canvas FrameFigures::figureOf(const std::vector<std::uint64_t>& frames) {
   std::vector<TactilePanel> panels;
   for (const std::uint64_t frame : frames) {
     read(begin_ + frame, 1);
-    panels.push_back(panelOf(begin_ + frame));
+    panels.push_back(describe(begin_ + frame));
   }
   return drawTactileFigure(panels, options());
 }
 
-Canvas FrameFigures::pictureOf(std::uint64_t frame) {
+TactilePanel FrameFigures::panelOf(std::uint64_t frame) {
   frame += begin_;
   if (frame < first_ || frame >= first_ + count_) read(frame, std::min(kFramesAtOnce, end_ - frame));
+  return describe(frame);
+}
+
+Canvas FrameFigures::pictureOf(std::uint64_t frame) {
   return drawTactileFigure({panelOf(frame)}, options());
+}
+
+std::vector<double> FrameFigures::valuesOf(const std::string& name, std::size_t width) const {
+  const Column* const column = findColumn(manifest(), group_ + name);
+  const std::vector<std::size_t> shape = width == 1 ? std::vector<std::size_t>{} : std::vector{width};
+  if (column == nullptr || column->per_episode || column->shape != shape) return {};
+  return reader_.readAsDouble(column->name, begin_, numFrames());
+}
+
+std::vector<double> FrameFigures::edgeAngles() const {
+  std::vector<double> angles = valuesOf("edge_angle", 1);
+  const std::vector<double> confidence = valuesOf("edge_confidence", 1);
+  for (std::size_t k = 0; k < std::min(angles.size(), confidence.size()); ++k) {
+    if (!(confidence[k] > 0)) angles[k] = std::numeric_limits<double>::quiet_NaN();
+  }
+  return angles;
+}
+
+std::optional<std::size_t> FrameFigures::objectIndex() const {
+  const Column* const column = findColumn(manifest(), kObject);
+  if (column == nullptr || !column->per_episode || !column->shape.empty() || !selection_.episode) return std::nullopt;
+  const double index = reader_.readAsDouble(kObject, rowOf(*selection_.episode, directory(), episodes_), 1)[0];
+  return index >= 0 ? std::optional(static_cast<std::size_t>(index)) : std::nullopt;
 }
 
 // Reads what panels show of frames [first, first + count).
@@ -248,7 +276,7 @@ std::string FrameFigures::captionOf(const TactilePanel& panel, std::uint64_t fra
 }
 
 // Draws the first sensor where a group has several. Three-axis taxels show counts along the normal and arrows, no image and no axes.
-TactilePanel FrameFigures::panelOf(std::uint64_t frame) {
+TactilePanel FrameFigures::describe(std::uint64_t frame) {
   TactilePanel panel = imageOf(frame);
   panel.title = titleOf(frame);
   panel.caption = captionOf(panel, frame);

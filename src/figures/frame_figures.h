@@ -38,9 +38,23 @@ class FrameFigures {
   // Draws one frame. Reads those that follow as well, for the next calls.
   Canvas pictureOf(std::uint64_t frame);
 
- private:
+  // For figures of other forms: one frame, what all have in common, and the values below.
+  TactilePanel panelOf(std::uint64_t frame);
+  const FigureOptions& options();
+  const std::string& directory() const { return selection_.directory; }
   const Manifest& manifest() const { return reader_.manifest(); }
 
+  // Rows of a column of all frames, (num_frames x width); `name`: below data/, of a sensor's own column below its group. Empty if there is
+  // no such column, or its rows have another shape.
+  std::vector<double> valuesOf(const std::string& name, std::size_t width) const;
+
+  // rad, of the edge that is measured in each frame, (num_frames); NaN where it is undefined. Empty if it is not recorded.
+  std::vector<double> edgeAngles() const;
+
+  // Index in the scene of the object of the episode; none if it is not recorded, or several episodes are selected.
+  std::optional<std::size_t> objectIndex() const;
+
+ private:
   void read(std::uint64_t first, std::uint64_t count);
   std::vector<double> row(const std::string& name, std::uint64_t frame) const;
   std::vector<double> row(const std::string& name, std::uint64_t frame, std::size_t length) const;
@@ -50,9 +64,8 @@ class FrameFigures {
   std::string forceText(const TactilePanel& panel, std::uint64_t frame) const;
   std::string captionOf(const TactilePanel& panel, std::uint64_t frame) const;
   std::string titleOf(std::uint64_t frame);
-  TactilePanel panelOf(std::uint64_t frame);
+  TactilePanel describe(std::uint64_t frame);
   double range() const;
-  const FigureOptions& options();
 
   FrameSelection selection_;
   DatasetReader reader_;

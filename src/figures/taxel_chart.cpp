@@ -75,22 +75,29 @@ std::vector<TaxelOutline> unrolled(const Sensor& sensor) {
   return outlines;
 }
 
-std::vector<TaxelOutline> outlinesOf(const Sensor& sensor) {
-  if (isTaxelList(sensor)) return unrolled(sensor);
-  std::vector<TaxelOutline> outlines;
+std::vector<std::array<Vector3, 4>> tilesOf(const Sensor& sensor) {
+  constexpr int kCorners[4][2] = {{0, 0}, {0, 1}, {1, 1}, {1, 0}};
+  std::vector<std::array<Vector3, 4>> tiles;
   for (const GridPatch& patch : sensor.patches) {
     for (int i = 0; i < patch.num_rows; ++i) {
       for (int j = 0; j < patch.num_cols; ++j) {
-        TaxelOutline& outline = outlines.emplace_back();
-        constexpr int kCorners[4][2] = {{0, 0}, {0, 1}, {1, 1}, {1, 0}};
-        for (std::size_t c = 0; c < outline.size(); ++c) {
-          const Vector3 corner_P{(i + kCorners[c][0] - 0.5 * patch.num_rows) * patch.pitch[0],
-                                 (j + kCorners[c][1] - 0.5 * patch.num_cols) * patch.pitch[1], 0};
-          const Vector3 corner = add(patch.X_SP.position, rotate(patch.X_SP.rotation, corner_P));
-          outline[c] = {corner[0], corner[1]};
+        std::array<Vector3, 4>& tile = tiles.emplace_back();
+        for (std::size_t c = 0; c < tile.size(); ++c) {
+          tile[c] = patch.X_SP * Vector3{(i + kCorners[c][0] - 0.5 * patch.num_rows) * patch.pitch[0],
+                                         (j + kCorners[c][1] - 0.5 * patch.num_cols) * patch.pitch[1], 0};
         }
       }
     }
+  }
+  return tiles;
+}
+
+std::vector<TaxelOutline> outlinesOf(const Sensor& sensor) {
+  if (isTaxelList(sensor)) return unrolled(sensor);
+  std::vector<TaxelOutline> outlines;
+  for (const auto& tile : tilesOf(sensor)) {
+    TaxelOutline& outline = outlines.emplace_back();
+    for (std::size_t c = 0; c < outline.size(); ++c) outline[c] = {tile[c][0], tile[c][1]};
   }
   return outlines;
 }

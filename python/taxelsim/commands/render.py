@@ -1,4 +1,4 @@
-"""`taxelsim render DIR --episode N -o FILE`: a video of an episode, MP4 or GIF, of the pictures that `taxelsim render` draws."""
+"""`taxelsim render DIR --episode N -o FILE`: a video of an episode, MP4 or GIF, of the pictures of its WebP."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from .._arguments import checked_positive
+from .._log import logger
 from .._pictures import EpisodePictures
 from ..errors import InputError
+from ..program import SCENES
 from ..video import MAX_RATES, check_video, save_video
 from .running import run_command
 
@@ -29,6 +31,7 @@ def _parser() -> argparse.ArgumentParser:
     add("-o", "--output", required=True, type=Path, metavar="FILE", help="video to write: .mp4 or .gif; .png draws a picture of frames")
     add("--episode", required=True, type=int, metavar="N", help="number of the episode")
     add("--speed", type=float, default=1.0, metavar="X", help="1 (default) is real time, 0.1 ten times slower")
+    add("--assets", type=Path, action="append", default=[], metavar="DIR", help="folder with meshes of the scene; repeatable")
     add("--range", type=float, metavar="COUNTS", help="brightest colour; default: the 99.9th percentile of the data set")
     return parser
 
@@ -39,7 +42,9 @@ def _run(options: argparse.Namespace) -> None:
     if not 0 <= options.episode < 1 << 64:
         raise InputError(f"--episode {options.episode}: {options.folder} has no such episode")
     check_video(options.output)
-    pictures = EpisodePictures(options.folder, options.episode, scale)
+    pictures = EpisodePictures(options.folder, options.episode, scale, [*map(str, options.assets), str(SCENES)])
+    if pictures.without_view:
+        logger.warning("%s: shows the tactile image alone: %s", options.output, pictures.without_view)
     times = pictures.times()
     step = times[1] - times[0] if len(times) > 1 else math.inf
     if not step > 0:
