@@ -14,6 +14,8 @@ BUILD = Path(os.environ.get("TAXELSIM_BUILD", ROOT / "build/release"))
 DOXYGEN_XML = BUILD / "docs/xml"
 SECTIONS = "start", "how_to", "reference", "understand", "notes"
 
+PROPER_NAMES = {"ppo": "PPO", "onnx": "ONNX", "mujoco": "MuJoCo"}
+
 CPP_SECTIONS = (
     "briefdescription detaileddescription innernamespace innerclass user-defined enum typedef func var "
     "public-type public-func public-static-func public-attrib public-static-attrib"
@@ -66,7 +68,6 @@ def toctree(names: list[str], options: str = ":hidden:") -> str:
 
 def write_gallery() -> None:
     """A page with all pictures, and one for each program of examples/."""
-    if not (ROOT / "examples/gallery.toml").exists(): return write("start/generated/gallery", "# Gallery\n")  # TEMP
     listed = tomllib.loads((ROOT / "examples/gallery.toml").read_text())["section"]
     text = "# Gallery\n\nEach program is short, stands alone and makes its picture. They run as tests.\n\n"
     names = []
@@ -74,21 +75,24 @@ def write_gallery() -> None:
         text += f"## {section['title']}\n\n::::{{grid}} 1 2 3 3\n:gutter: 3\n\n"
         for name in section["examples"]:
             names.append(name)
-            title, rest, program = example_parts(name)
-            text += f":::{{grid-item-card}} {title}\n:link: {name}\n:link-type: doc\n:img-top: ../../images/gallery/{name}.png\n:img-alt: {title}\n:::\n"
-            body = f"# {title}\n\n![{title}](../../images/gallery/{name}.png)\n\n{rest}\n\n`examples/{name}.py`:\n\n```python\n{program}```\n"
+            sentence, rest, program = example_parts(name)
+            title = " ".join(PROPER_NAMES.get(word, word) for word in name.split("_"))
+            title = title[0].upper() + title[1:]
+            picture = f"../../images/gallery/{name}.png"
+            text += f":::{{grid-item-card}} {title}\n:link: {name}\n:link-type: doc\n:img-top: {picture}\n:img-alt: {sentence}\n\n{sentence}\n:::\n"
+            body = f"# {title}\n\n{sentence}\n\n![{sentence}]({picture})\n\n{rest}\n\n`examples/{name}.py`:\n\n```python\n{program}```\n"
             write(f"start/generated/{name}", body)
         text += "::::\n\n"
     write("start/generated/gallery", text + toctree(names))
 
 
 def example_parts(name: str) -> tuple[str, str, str]:
-    """Title, text, and the program without its docstring."""
+    """First sentence, text, and the program without its docstring."""
     source = (ROOT / f"examples/{name}.py").read_text()
     tree = ast.parse(source)
-    title, _, rest = ast.get_docstring(tree).partition("\n")
+    sentence, _, rest = ast.get_docstring(tree).partition("\n")
     program = "".join(source.splitlines(keepends=True)[tree.body[0].end_lineno :]).lstrip("\n")
-    return title.rstrip("."), rest.strip(), program
+    return sentence, rest.strip(), program
 
 
 def write_command_line() -> None:

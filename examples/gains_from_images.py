@@ -1,67 +1,59 @@
 """Finds the gains of all taxels, and where a ball pressed, from tactile images alone: gradient steps with Simulator.vjp().
 
-python3 examples/gains_from_images.py
+The simulator pulls the gradient of the image error back to the poses of 192 presses and to the gains of 84 taxels, on the device. Prints
+how far gains and places are off at first and at the end.
+
+python3 examples/gains_from_images.py [PICTURE]
 """
 
+import sys
+
+import matplotlib.pyplot as plt
 import numpy as np
 
 import taxelsim
+from taxelsim.pictures import draw_taxels, save_figure
 
-NUM_PRESSES = 192
-NUM_STEPS = 600
-RADIUS = 0.01  # m, of the ball
-UNITS = np.array([1e-3, 1e-3, 1e-4])  # m: steps along x, y and depth
-
-
-class Adam:
-    """Steps of D. P. Kingma and J. Ba, "Adam: a method for stochastic optimization", ICLR 2015."""
-
-    def __init__(self, shape: tuple[int, ...]) -> None:
-        self.mean, self.square, self.count = np.zeros(shape), np.zeros(shape), 0
-
-    def step(self, gradient: np.ndarray, rate: float) -> np.ndarray:
-        """What to add to the parameters."""
-        self.count += 1
-        self.mean += 0.1 * (gradient - self.mean)
-        self.square += 0.01 * (gradient**2 - self.square)
-        return -rate * (self.mean / (1 - 0.9**self.count)) / (np.sqrt(self.square / (1 - 0.99**self.count)) + 1e-12)
+N, STEPS, UNITS = 192, 600, np.array([1e-3, 1e-3, 1e-4])  # presses; gradient steps; m, of steps in x, y and depth
 
 
 def main() -> None:
-    """Presses with unknown gains at unknown places, and finds both."""
     random = np.random.default_rng(5)
-    sensor = taxelsim.load_sensor(taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml").replace(depth_sampling=taxelsim.DepthSampling.AREA)
-    model = taxelsim.Model(taxelsim.Device.open(), sensor, [taxelsim.Sphere(radius=RADIUS)])
-    simulator = taxelsim.Simulator(model, NUM_PRESSES, outputs=taxelsim.OutputOptions(vjp=True))
+    sensor = taxelsim.load_sensor(taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml").replace(depth_sampling="area")
+    model = taxelsim.Model(taxelsim.Device.open(), sensor, [taxelsim.Sphere(radius=0.01)])
+    simulator = taxelsim.Simulator(model, N, outputs=taxelsim.OutputOptions(vjp=True))
 
     def forces(places: np.ndarray) -> np.ndarray:
-        poses = np.zeros((NUM_PRESSES, 7))
-        poses[:, :2], poses[:, 2], poses[:, 3] = places[:, :2], RADIUS - places[:, 2], 1
         simulator.reset()  # each press is a first step, without memory of the one before
-        simulator.set_objects(0, poses)
+        simulator.set_objects(0, np.column_stack((places * [1, 1, -1], np.tile([1, 0, 0, 0], (N, 1)))), anchor="lowest")
         simulator.step(0.01)
         return simulator.read().ground_truth.tactile_normal_force.astype(float)
 
-    half = 0.5 * np.array([6, 14]) * 0.0034  # m, of the array
-    truth = np.column_stack((random.uniform(-half, half, (NUM_PRESSES, 2)), random.uniform(0.0004, 0.0009, NUM_PRESSES)))
+    truth = np.column_stack((random.uniform([-0.0102, -0.0238], [0.0102, 0.0238], (N, 2)), random.uniform(0.0004, 0.0009, N)))
     true_gain = np.exp(0.15 * random.normal(size=(6, 14)))
-    true_gain /= true_gain.mean()  # a factor on all gains cannot be told from deeper presses
+    true_gain /= true_gain.mean()  # a factor on all gains looks like deeper presses
     images = true_gain * forces(truth)
-
     places, gain = truth + random.uniform(-1, 1, truth.shape) * UNITS, np.ones((6, 14))
-    before = places.copy()
-    for_places, for_gain = Adam(places.shape), Adam(gain.shape)
-    for n in range(NUM_STEPS):
-        rate = 0.1 * (1 - n / NUM_STEPS)
-        residual = gain * forces(places) - images  # of the loss sum(residual^2) / 2
-        gradient = simulator.vjp(residual, gain)
-        # The ball moves against the sensor, and its depth against z.
-        places += UNITS * for_places.step(gradient.twist[:, :3] * [-1, -1, 1] * UNITS, rate)
-        gain += for_gain.step(gradient.gain.sum(0), rate)
+    mean, square, errors = 0.0, 0.0, []
+    for n in range(STEPS):
+        errors.append((100 * np.abs(gain / true_gain - 1).mean(), 1e6 * np.median(np.hypot(*(places - truth)[:, :2].T))))
+        gradient = simulator.vjp(gain * forces(places) - images, gain)  # of the loss: half the sum of squares of the first argument
+        # The ball moves against the sensor. A step of Kingma and Ba, "Adam: a method for stochastic optimization", ICLR 2015.
+        slope = np.append(gradient.twist[:, :3] * [-1, -1, 1] * UNITS, gradient.gain.sum(0))
+        mean, square = mean + 0.1 * (slope - mean), square + 0.01 * (slope**2 - square)
+        step = -0.1 * (1 - n / STEPS) * mean / (1 - 0.9 ** (n + 1)) / (np.sqrt(square / (1 - 0.99 ** (n + 1))) + 1e-12)
+        places += UNITS * step[:-84].reshape(N, 3)
+        gain += step[-84:].reshape(6, 14)
         gain /= gain.mean()
-    print(f"gains: {100 * np.abs(1 / true_gain - 1).mean():.1f} % off at first, {100 * np.abs(gain / true_gain - 1).mean():.2f} % now")
-    first, last = (1e6 * np.median(np.hypot(*(found - truth)[:, :2].T)) for found in (before, places))
-    print(f"places: {first:.0f} um off at first, {last:.1f} um now")
+    print("gains off by {:.1f} %, places by {:.0f} um at first; gains by {:.2f} %, places by {:.1f} um now".format(*errors[0], *errors[-1]))
+    plt.rcParams.update({"font.size": 15, "lines.linewidth": 3})
+    figure, axes = plt.subplot_mosaic([["true gains", "gains found"], ["error"] * 2], figsize=(12, 6.5), layout="constrained")
+    for name, values in (("true gains", true_gain), ("gains found", gain)):
+        figure.colorbar(draw_taxels(axes[name], sensor, values, range=1.5), ax=axes[name], label=name)
+    axes["error"].semilogy(errors, label=["gains (%)", "places (µm)"])
+    axes["error"].set(xlabel="gradient step", ylabel="error")
+    axes["error"].legend()
+    save_figure(sys.argv[1] if len(sys.argv) > 1 else "gains_from_images.png", figure)
 
 
 if __name__ == "__main__":
