@@ -3,7 +3,7 @@
 
     make_measurements.py [DIRECTORY]
 
-Nothing here is a recording. The formulas are those of docs/how_to/measurements.md, written apart from the simulator's, so that what
+Nothing here is a recording. The formulas are those of docs/reference/measurements.md, written apart from the simulator's, so that what
 `taxelsim characterize` makes of the files can be held against TRUTH.
 """
 

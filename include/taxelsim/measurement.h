@@ -1,5 +1,5 @@
 /// @file
-/// Measurements of a real sensor on a test bench: a table (CSV) and a small YAML file with its metadata (docs/how_to/measurements.md).
+/// Measurements of a real sensor on a test bench: a table (CSV) and a small YAML file with its metadata (docs/reference/measurements.md).
 /// characterize.h and compare.h use them.
 #pragma once
 

@@ -64,3 +64,11 @@ def test_links_of_pages_outside_the_site_exist():
         page = ROOT / name
         for target in re.findall(r"\]\(([^)#\s:]+)(?:#[^)]*)?\)", page.read_text()):
             assert (page.parent / target).exists(), f"{name}: {target}"
+
+
+def test_the_skill_for_agents_runs():
+    text = (Path(taxelsim.__file__).parent / "SKILL.md").read_text()
+    assert text.startswith("---\nname: taxelsim\n")
+    names: dict = {}
+    exec(re.search(r"```python\n(.*?)```", text, re.DOTALL).group(1), names)
+    assert names["frame"].tactile_image.any()

@@ -171,7 +171,7 @@ void addCharacterize(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("characterize", "Fit a sensor file to measurements of a real sensor, with confidence intervals");
   command->footer(
       "Example:\n  taxelsim characterize scenes/measurements/*.yaml -o my_sensor.yaml --report my_sensor.html\n"
-      "A measurement is a CSV table and a small YAML file that describes it: see docs/how_to/measurements.md.");
+      "A measurement is a CSV table and a small YAML file that describes it: see docs/reference/measurements.md.");
   const auto arguments = std::make_shared<CharacterizeArguments>();
   command->add_option("measurements", arguments->measurements, "Measurement files (YAML), all of one sensor")
       ->required()

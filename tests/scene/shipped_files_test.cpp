@@ -149,7 +149,7 @@ TEST(ShippedSensors, RealisticVariantsHaveTheScatterOfRealArraysAndNothingElse) 
 TEST(ShippedSensors, CalibratedVariantDiffersFromTheRealisticOneInGainsAlone) {
   Sensor calibrated = loadSensor(kScenes / "sensors/wts0614_soft_cover_calibrated.yaml");
   const Sensor realistic = loadSensor(kScenes / "sensors/wts0614_soft_cover_realistic.yaml");
-  // Repeated presses of real fingers, per taxel (docs/how_to/measurements.md).
+  // Repeated presses of real fingers, per taxel (docs/reference/measurements.md).
   EXPECT_EQ(calibrated.readout.gain_spread, 0.04);
   calibrated.name = realistic.name;
   calibrated.readout.gain_spread = realistic.readout.gain_spread;

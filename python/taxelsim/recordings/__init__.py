@@ -1,4 +1,4 @@
-"""Recordings of real sensors as measurements for `characterize` and `compare` (docs/how_to/measurements.md)."""
+"""Recordings of real sensors as measurements for `characterize` and `compare` (docs/reference/measurements.md)."""
 
 from .measurement import KINDS, Measurement, write_measurement
 from .recording import Recording, read_csv, read_lerobot
