@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "figures/frame_figures.h"
-#include "scene/sensor_file.h"
+#include "figures/recorded_scene.h"
 #include "taxelsim/dataset.h"
 #include "taxelsim/error.h"
 #include "taxelsim/scene.h"
@@ -16,28 +16,13 @@ namespace {
 constexpr const char* kImage = "data/tactile_image";
 constexpr std::uint64_t kFramesRead = 4096;
 
-// The scene of a data set holds the whole sensor, except files with its taxels (a mesh, a URDF).
-std::optional<Sensor> sensorOf(const Manifest& manifest) {
-  const std::string name = "scene of the data set";
-  try {
-    const YamlTree tree = parseYaml(readableScene(manifest.scene), name);
-    const YamlNode root(tree, name);
-    const std::optional<YamlNode> block = root.isMap() ? root.child("sensor") : std::nullopt;
-    Canonical canonical;
-    if (block) return readSensorBlock(*block, {}, canonical);
-  } catch (const Error&) {
-    return std::nullopt;
-  }
-  return std::nullopt;
-}
-
 ImageSource loadDataSet(const std::filesystem::path& directory) {
   const DatasetReader reader(directory, /*allow_incomplete=*/false, /*isolated=*/true);
   const Manifest& manifest = reader.manifest();
   const auto column = std::find_if(manifest.columns.begin(), manifest.columns.end(), [](const Column& c) { return c.name == kImage; });
   if (column == manifest.columns.end()) throw Error(ErrorKind::kInput, directory.string() + ": no column " + kImage);
   if (reader.numFrames() == 0) throw Error(ErrorKind::kInput, directory.string() + ": no frames");
-  ImageSource source{.file = directory.string(), .name = figures::sceneName(manifest), .sensor = sensorOf(manifest), .images = {}};
+  ImageSource source{.file = directory.string(), .name = figures::sceneName(manifest), .sensor = figures::recordedSensor(manifest), .images = {}};
   source.images.num_taxels = std::accumulate(column->shape.begin(), column->shape.end(), std::size_t{1}, std::multiplies<>());
   if (source.sensor && source.images.num_taxels != static_cast<std::size_t>(numTaxels(*source.sensor))) {
     throw Error(ErrorKind::kInput, directory.string() + ": has several sensors per instance, whose images cannot be compared");
