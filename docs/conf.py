@@ -13,7 +13,7 @@ from latex2mathml.converter import convert  # noqa: E402
 from pygments.lexers.special import TextLexer  # noqa: E402
 
 project = "taxelsim"
-author = "the taxelsim authors"
+author = copyright = "the taxelsim authors"
 version = release = generate.version()
 extensions = [
     "myst_parser",
