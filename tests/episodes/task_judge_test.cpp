@@ -33,7 +33,7 @@ struct JudgedFrame {
 
 class Judged {
  public:
-  explicit Judged(const Scene& scene) : plan_(scene, {}, 0), judge_(plan_, 1), robots_(FreeFlying{}, 1) {}
+  explicit Judged(Scene scene) : scene_(std::move(scene)), plan_(scene_, {}, 0), judge_(plan_, 1), robots_(FreeFlying{}, 1) {}
 
   Verdict run(const std::vector<JudgedFrame>& frames) {
     judge_.begin(0, {.episode = episode_++, .start_force = 1});
@@ -70,6 +70,7 @@ class Judged {
                         .robot_status = robots_.status()});
   }
 
+  Scene scene_;  // the plan refers to it
   EpisodePlan plan_;
   TaskJudge judge_;
   Robots robots_;
