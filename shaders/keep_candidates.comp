@@ -17,8 +17,8 @@
 #include "passes/declare.glsl"
 #include "passes/keep_candidates.h"
 
-// Measured with the path `candidates` (docs/notes/performance.md). Finding costs once per kStepsAhead steps, larger bounds cost in each of them;
-// the total is least when the number of steps is inversely proportional to the square root of the speed.
+// Measured with the path `candidates` (docs/notes/performance.md). Finding costs once per kStepsAhead steps, larger bounds cost in each of
+// them; the total is least when the number of steps is inversely proportional to the square root of the speed.
 const float kStepsAhead = 2.0;  // at a speed of one sample spacing per step
 const float kMaxStepsAhead = 32.0;
 const float kMaxMotion = 0.4;       // sample spacings, over all these steps

@@ -1,5 +1,6 @@
 /// @file
-/// Data sets on disk: HDF5 shards, a manifest, a virtual view over all shards (docs/reference/scene_file.md). generate.h creates their content.
+/// Data sets on disk: HDF5 shards, a manifest, a virtual view over all shards (docs/reference/scene_file.md). generate.h creates their
+/// content.
 #pragma once
 
 #include <array>

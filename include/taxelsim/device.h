@@ -68,8 +68,8 @@ std::vector<DeviceInfo> listDevices();
 /// Threads: may be used from several threads at once. Submissions are serialised by a lock. Do not fork() while a device is open.
 ///
 /// The library does not change the environment of its process. open() binds each thread that Mesa's software driver computes with to a
-/// processor of the calling thread's affinity mask, if there is one such thread per processor (docs/how_to/drivers.md); the caller's threads stay
-/// free.
+/// processor of the calling thread's affinity mask, if there is one such thread per processor (docs/how_to/drivers.md); the caller's
+/// threads stay free.
 class Device {
  public:
   /// Opens a device. Waits.

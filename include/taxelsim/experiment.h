@@ -163,7 +163,8 @@ struct GraspExperiment {
   std::vector<double> gains;  ///< 1/s, each > 0 to the simulation rate.
 };
 
-/// Reads an experiment with a grasp and its scene (docs/reference/experiment_file.md). Throws Error(kInput) with file, line, column and key.
+/// Reads an experiment with a grasp and its scene (docs/reference/experiment_file.md). Throws Error(kInput) with file, line, column and
+/// key.
 GraspExperiment loadGraspExperiment(const std::filesystem::path& file);
 
 /// An experiment of any kind.

@@ -163,8 +163,8 @@ struct SceneOverrides {
   bool refuse_folders = false;
 };
 
-/// Reads waypoints from a CSV file (docs/reference/scene_file.md). Throws Error(kInput) with file, line, column, the value found and what is
-/// allowed.
+/// Reads waypoints from a CSV file (docs/reference/scene_file.md). Throws Error(kInput) with file, line, column, the value found and what
+/// is allowed.
 std::vector<Waypoint> loadWaypoints(const std::filesystem::path& file);
 
 /// Reads a closed polyline (m) from a CSV file (docs/reference/scene_file.md). Throws what loadWaypoints() throws.

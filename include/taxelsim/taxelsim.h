@@ -2,7 +2,8 @@
 /// All of libtaxelsim in one include: batched simulation of tactile sensing arrays on Vulkan devices.
 ///
 /// Units are SI throughout: m, N, Pa, s, rad. Electrical output is in counts. `X_AB` is the pose of frame B in frame A; S is the frame of a
-/// sensor, P of a patch, O of an object, W the world (docs/reference/conventions.md). A shape such as `(N x 3)` behind an array is row-major.
+/// sensor, P of a patch, O of an object, W the world (docs/reference/conventions.md). A shape such as `(N x 3)` behind an array is
+/// row-major.
 ///
 /// Errors: bad input, device failures and file system failures throw taxelsim::Error. Wrong use of an object throws std::logic_error.
 ///

@@ -1,8 +1,9 @@
 // Loops in the form that software drivers run fast, and the detection of loops that a driver has ended early: Mesa's lavapipe ends all
 // loops of an invocation, silently, after 65,535 iterations in total.
 //
-// Loops with long bodies test at their end, with the same rounds in all invocations: docs/notes/decisions/0024-loops-that-test-at-their-end.md. A
-// loop whose length depends on the scene calls checkLoop() behind it with its own condition. The host turns problems[0] != 0 into an error.
+// Loops with long bodies test at their end, with the same rounds in all invocations:
+// docs/notes/decisions/0024-loops-that-test-at-their-end.md. A loop whose length depends on the scene calls checkLoop() behind it with its
+// own condition. The host turns problems[0] != 0 into an error.
 // Mutable globals: any_unfinished_loop, one flag per invocation; num_iterations, the same in all invocations of a workgroup.
 #ifndef DRIVER_LOOPS_GLSL
 #define DRIVER_LOOPS_GLSL

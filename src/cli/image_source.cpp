@@ -22,7 +22,8 @@ ImageSource loadDataSet(const std::filesystem::path& directory) {
   const auto column = std::find_if(manifest.columns.begin(), manifest.columns.end(), [](const Column& c) { return c.name == kImage; });
   if (column == manifest.columns.end()) throw Error(ErrorKind::kInput, directory.string() + ": no column " + kImage);
   if (reader.numFrames() == 0) throw Error(ErrorKind::kInput, directory.string() + ": no frames");
-  ImageSource source{.file = directory.string(), .name = figures::sceneName(manifest), .sensor = figures::recordedSensor(manifest), .images = {}};
+  ImageSource source{
+      .file = directory.string(), .name = figures::sceneName(manifest), .sensor = figures::recordedSensor(manifest), .images = {}};
   source.images.num_taxels = std::accumulate(column->shape.begin(), column->shape.end(), std::size_t{1}, std::multiplies<>());
   if (source.sensor && source.images.num_taxels != static_cast<std::size_t>(numTaxels(*source.sensor))) {
     throw Error(ErrorKind::kInput, directory.string() + ": has several sensors per instance, whose images cannot be compared");

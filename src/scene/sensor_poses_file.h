@@ -13,8 +13,8 @@ namespace taxelsim {
 
 class SensorPoses {
  public:
-  // Reads a CSV file (docs/reference/scene_file.md). max_episode, max_step: largest numbers allowed. Throws Error(kInput) with file, line, column,
-  // the value found and what is allowed.
+  // Reads a CSV file (docs/reference/scene_file.md). max_episode, max_step: largest numbers allowed. Throws Error(kInput) with file, line,
+  // column, the value found and what is allowed.
   SensorPoses(const std::filesystem::path& file, std::uint64_t max_episode, std::uint64_t max_step);
 
   // X_WS of the latest row of the episode at or before the step; null if there is none.

@@ -1,5 +1,6 @@
-// A bench whose sensor is simulated on the device: it is pressed as docs/reference/measurements.md describes, and its readings become the files that
-// `taxelsim characterize` reads. Not independent of the simulator, unlike bench_session.h: it shows what a fit makes of simulated contacts.
+// A bench whose sensor is simulated on the device: it is pressed as docs/reference/measurements.md describes, and its readings become the
+// files that `taxelsim characterize` reads. Not independent of the simulator, unlike bench_session.h: it shows what a fit makes of
+// simulated contacts.
 #pragma once
 
 #include "support/test.h"

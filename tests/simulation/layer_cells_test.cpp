@@ -50,8 +50,8 @@ double punchForce(const LayerOptions& skin, double radius, double depth) {
 // ---- closed forms ----
 
 // Boussinesq's punch, and the integral equation of one on a bonded layer. The error is that of the model of a cut cell, found by a study in
-// NumPy: 93 to 108 % (docs/notes/experiments/contact_at_small_sizes.md). With points 0 to 124 %. The centre of pressure is off by what the forces
-// of parts act away from their centroids.
+// NumPy: 93 to 108 % (docs/notes/experiments/contact_at_small_sizes.md). With points 0 to 124 %. The centre of pressure is off by what the
+// forces of parts act away from their centroids.
 TEST(ElasticLayerAreaOnEveryDriver, PinsHaveTheirForceAnywhere) {
   constexpr int kPlaces = 64;
   constexpr double kForceError = 0.08, kCentreError = 0.08e-3, kDepth = 1e-3;

@@ -234,8 +234,8 @@ void print(const char* object, const std::string& sensor, int cap, const Differe
   }
 }
 
-// The table of docs/notes/validation.md. Asserted is only what the usual cap does: in some pose it turns the direction by tens of degrees and
-// moves the centre by more than a taxel, where the whole list of the same contacts gives both.
+// The table of docs/notes/validation.md. Asserted is only what the usual cap does: in some pose it turns the direction by tens of degrees
+// and moves the centre by more than a taxel, where the whole list of the same contacts gives both.
 TEST(Ode, OnTheSensorOfThePaper) {
   const Sensor sensor = loadSensor(std::string(TAXELSIM_SOURCE_DIR) + "/scenes/sensors/wts0614_soft_cover.yaml");
   struct Case {
