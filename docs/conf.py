@@ -87,7 +87,7 @@ def as_mathml(translator, node):
 
 
 def write_markdown(app, error):
-    """Writes the Markdown of every page beside its HTML, and llms.txt, which lists them."""
+    """Writes every page as Markdown into the folder of its HTML, and llms.txt, which lists these files."""
     if error is not None or app.builder.name != "html":
         return
     out = Path(app.outdir)

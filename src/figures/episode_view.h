@@ -1,5 +1,5 @@
-// Pictures of the frames of one episode, for videos: sensor and object in 3-D, the tactile image beside them, force and edge angle over
-// time below.
+// Draws the frames of one episode for videos. A picture shows the sensor and the object in 3-D, the tactile image, and curves of force and
+// edge angle over time.
 #pragma once
 
 #include <filesystem>

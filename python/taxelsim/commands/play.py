@@ -38,8 +38,8 @@ def _run(options: argparse.Namespace) -> None:
     playground = Playground(options.sensor, options.objects, device=Device.open(options.device), port=options.port)
     try:
         print(f"open {playground.url} ; Ctrl-C ends", flush=True)
-        while True:  # a signal that arrives before a wait without an end is seen after it only
-            time.sleep(0.2)
+        while True:
+            time.sleep(_POLL)
     finally:
         print("ends", file=sys.stderr)
         playground.close()

@@ -20,7 +20,7 @@ from ..program import SCENES
 from ..viewer.shapes import taxel_quads, triangles_of
 from . import fields
 from .server import LOOPBACK, start_server
-from .state import Changes, Press, Settings, View, law_name, settings_at
+from .state import Press, Settings, View, law_name, settings_at
 from .texts import program_text, scene_text
 
 DEFAULT_SENSOR, DEFAULT_OBJECT = "wts0614", "cylinder:0.008,0.04"
@@ -73,7 +73,7 @@ class Playground:
         """Frames so far."""
         self._server, guard = start_server(port, "taxelsim play")
         self.url = f"http://{LOOPBACK}:{self._server.get_port()}/{guard.token}/"
-        """Address of the page. Whoever knows it can use the playground."""
+        """Address of the page, with the token. Any user of this machine who has it can use the playground."""
         self._build()
         self._worker = threading.Thread(target=self._work, daemon=True)
         self._worker.start()
@@ -244,4 +244,4 @@ class Playground:
             self._arrows.points = (UNITS * np.stack([starts, starts + vectors], 1)[seen]).astype(np.float32)
 
 
-__all__ = ["Changes", "Playground"]
+__all__ = ["Playground"]
