@@ -1,16 +1,21 @@
 // The reader of data sets, for taxelsim.Dataset: it reads manifest and view, checks shards, reads rows in child processes, and scales
 // pictures.
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <array>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <new>
 #include <utility>
+#include <vector>
 
 #include "bind.h"
+#include "figures/colours.h"
 #include "taxelsim/counts_range.h"
 #include "taxelsim/dataset.h"
 #include "taxelsim/error.h"
@@ -18,6 +23,16 @@
 
 namespace taxelsim::python {
 namespace {
+
+std::vector<std::array<int, 3>> valueColours() {
+  std::vector<std::array<int, 3>> colours;
+  const auto byte = [](double level) { return static_cast<int>(std::lround(255 * level)); };
+  for (int i = 0; i < 256; ++i) {
+    const figures::Colour colour = figures::along(figures::kViridis, i / 255.0);
+    colours.push_back({byte(colour.red), byte(colour.green), byte(colour.blue)});
+  }
+  return colours;
+}
 
 template <typename T>
 nb::object arrayOf(std::vector<T> values) {
@@ -93,6 +108,7 @@ void bindDataset(nb::module_& module) {
            "Bytes of rows [first, first + count).")
       .def("counts_range", &rangeOfColumn, "column"_a, nb::call_guard<WithoutGil>(),
            "Counts of the brightest colour of pictures of the data set.");
+  module.def("value_colours", &valueColours, "Colours of tactile images, 256 of red, green, blue, from dark to bright.");
   module.attr("SHEAR_DEVIATIONS") = kShearDeviations;
   module.def("counts_range", &rangeOfCounts, "counts"_a, "noise"_a, "Counts of the brightest colour of pictures of `counts`.");
   module.def("write_view", &writeDatasetView, "folder"_a, "num_frames"_a, nb::call_guard<WithoutGil>(),

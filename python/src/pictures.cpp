@@ -1,10 +1,12 @@
-// taxelsim._pictures: pictures of a data set, for videos. A module of its own, since Cairo needs libraries of X11, which `import taxelsim`
+// taxelsim._pictures: pictures of sensors and data sets. A module of its own, since Cairo needs libraries of X11, which `import taxelsim`
 // must not.
 #include "figures/episode_view.h"
 
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
+#include <spdlog/fmt/fmt.h>
 
 #include <cstdint>
 #include <filesystem>
@@ -16,7 +18,9 @@
 #include <vector>
 
 #include "bind.h"
+#include "figures/sensor_panels.h"
 #include "taxelsim/error.h"
+#include "taxelsim/sensor.h"
 
 namespace taxelsim::python {
 namespace {
@@ -47,16 +51,36 @@ class EpisodePictures {
   std::string without_view_;
 };
 
-nb::object draw(EpisodePictures& pictures, std::uint64_t frame) {
+// The picture (height, width, 3) that `draw` returns, drawn without the interpreter's lock.
+template <typename Draw>
+nb::object pictureOf(const Draw& draw) {
   std::unique_ptr<Pixels> pixels;
   {
     const nb::gil_scoped_release released;
-    pixels = std::make_unique<Pixels>(pictures.pictureOf(frame));
+    pixels = std::make_unique<Pixels>(draw());
   }
   std::uint8_t* const data = pixels->values.data();
   const std::size_t height = pixels->height, width = pixels->width;
   const nb::capsule owner(pixels.release(), [](void* owned) noexcept { delete static_cast<Pixels*>(owned); });
   return nb::ndarray<nb::numpy, std::uint8_t, nb::ndim<3>>(data, {height, width, 3}, owner).cast();
+}
+
+using Image = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+// `images`: titles and values (num_taxels).
+nb::object drawSensorFigure(const Sensor& sensor, const std::vector<std::pair<std::string, Image>>& images, const std::string& title,
+                            const std::string& subtitle, const std::string& unit, double range) {
+  std::vector<figures::TactilePanel> panels;
+  for (const auto& [name, values] : images) {
+    if (values.size() != static_cast<std::size_t>(numTaxels(sensor)))
+      throw Error(ErrorKind::kInput, fmt::format("images: {} values are not allowed: {} taxels", values.size(), numTaxels(sensor)));
+    for (figures::TactilePanel& panel : figures::panelsOf(sensor, {values.data(), values.size()}, name).panels) {
+      if (panel.neighbours) panel.axes = figures::axesOfImage(panel);
+      panels.push_back(std::move(panel));
+    }
+  }
+  const figures::FigureOptions options{.title = title, .subtitle = subtitle, .unit = unit, .num_columns = 1, .range = range};
+  return pictureOf([&] { return figures::drawTactileFigure(panels, options).pixels(); });
 }
 
 }  // namespace
@@ -77,6 +101,14 @@ NB_MODULE(_pictures, module) {
           "folder"_a, "episode"_a, "range"_a = 0.0, "assets"_a = std::vector<std::string>(), nb::call_guard<nb::gil_scoped_release>())
       .def_prop_ro("without_view", &EpisodePictures::withoutView, "Why pictures show the tactile image alone; empty if they show all.")
       .def("times", &EpisodePictures::times, nb::call_guard<nb::gil_scoped_release>(), "s, of the frames.")
-      .def("draw", &draw, "frame"_a, nb::sig("def draw(self, frame: int) -> numpy.typing.NDArray[numpy.uint8]"),
-           "Picture (height, width, 3) of a frame, counted from 0. All have one size and one colour scale.");
+      .def(
+          "draw", [](EpisodePictures& self, std::uint64_t frame) { return pictureOf([&] { return self.pictureOf(frame); }); }, "frame"_a,
+          nb::sig("def draw(self, frame: int) -> numpy.typing.NDArray[numpy.uint8]"),
+          "Picture (height, width, 3) of a frame, counted from 0. All have one size and one colour scale.");
+  module.def(
+      "sensor_figure", &drawSensorFigure, "sensor"_a, "images"_a, "title"_a, "subtitle"_a, "unit"_a, "range"_a,
+      nb::sig("def sensor_figure(sensor: object, images: Sequence[tuple[str, numpy.typing.NDArray[numpy.float64]]], title: str, subtitle: "
+              "str, unit: str, range: float) -> numpy.typing.NDArray[numpy.uint8]"),
+      "A figure (height, width, 3) as `taxelsim frame --png` writes it. images: title and values (num_taxels) of each. range: value of the "
+      "brightest colour.");
 }

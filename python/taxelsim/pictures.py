@@ -29,9 +29,7 @@ TACTILE_IMAGE, TAXEL_COUNTS = "data/tactile_image", "data/taxel_counts"
 ARROW_TAXELS = 2.0
 """Length, in taxels, of an arrow with the counts of the brightest colour."""
 
-# Anchors of a dark blue, green, yellow scale with rising luminance.
-_ANCHORS = np.array([[20, 20, 60], [45, 75, 135], [30, 145, 140], [120, 205, 80], [253, 231, 37]], np.float64)
-_COLOURS = np.stack([np.interp(np.linspace(0, 4, 256), np.arange(5), _ANCHORS[:, c]) for c in range(3)], -1).astype(np.uint8)
+_COLOURS = np.array(_core.value_colours(), np.uint8)
 
 _TAXEL_PIXELS = 12  # width of a taxel in the picture
 _ARROW_PIXELS = 32  # the same of a three-axis taxel, which has room for an arrow

@@ -80,6 +80,7 @@ class SchemaWriter {
     const bool says_default = key.otherwise != kNeeded && !key.otherwise.empty();
     schema["description"] = key.text + (unit_name.empty() ? "" : ", " + unit_name) + "." +
                             (says_default && unit == FileUnit::kSi ? " Default: " + key.otherwise + "." : "");
+    if (!unit_name.empty()) schema["unit"] = unit_name;
     if (const std::optional<Json> value = valueOf(key); value && unit == FileUnit::kSi) schema["default"] = *value;
     return schema;
   }

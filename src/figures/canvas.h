@@ -1,4 +1,4 @@
-// A page to draw on with Cairo, with the colours, type sizes and axis ticks that all figures share. The figures are in tactile_figure.h and
+// A page to draw on with Cairo, with the type sizes and axis ticks that all figures share. The figures are in tactile_figure.h and
 // line_chart.h.
 #pragma once
 
@@ -12,18 +12,9 @@
 #include <string>
 #include <vector>
 
+#include "figures/colours.h"
+
 namespace taxelsim::figures {
-
-struct Colour {
-  double red = 0, green = 0, blue = 0;
-};
-
-constexpr Colour rgb(unsigned code) {
-  return {(code >> 16) / 255.0, (code >> 8 & 255) / 255.0, (code & 255) / 255.0};
-}
-
-inline constexpr Colour kInk = rgb(0x1f2430), kGrey = rgb(0x6b7280), kPaper = rgb(0xffffff), kGap = rgb(0xe8eaee);
-inline constexpr Colour kRed = rgb(0xe5322d), kBlue = rgb(0x2f7de1), kGreen = rgb(0x18a35a);
 
 // Lengths in points, of kPixelsPerPoint pixels each.
 inline constexpr double kPixelsPerPoint = 2;

@@ -10,12 +10,6 @@
 namespace taxelsim::figures {
 namespace {
 
-// Viridis (Smith, van der Walt and Firing, 2015) at eleven equidistant places: perceptually uniform, readable in grey and with colour
-// vision deficiency.
-constexpr std::array<Colour, 11> kViridis{rgb(0x440154), rgb(0x482475), rgb(0x414487), rgb(0x355f8d), rgb(0x2a788e), rgb(0x21918c),
-                                          rgb(0x22a884), rgb(0x44bf70), rgb(0x7ad151), rgb(0xbddf26), rgb(0xfde725)};
-// For differences: equal lightness on both sides of 0.
-constexpr std::array<Colour, 5> kBlueToRed{rgb(0x2b5fa8), rgb(0x8fb3dd), rgb(0xeeeff1), rgb(0xe8a58f), rgb(0xb5372b)};
 constexpr double kDarkTextFrom = 0.52;  // luminance of a cell above which dark text has more contrast than white
 
 // Lengths in points.
@@ -23,15 +17,6 @@ constexpr double kSmallestValue = 5.5, kLargestValue = 12;  // type sizes in cel
 constexpr double kPanelLength = 300;                        // longer side of a panel
 constexpr double kSmallestPanel = 90;                       // shorter side, for the captions
 constexpr double kArrowHead = 6, kShortestArrow = 4;        // of the arrows of taxels; shorter ones are not drawn
-
-// Interpolates equidistant colours at t, 0 to 1.
-Colour along(std::span<const Colour> colours, double t) {
-  const double place = std::clamp(t, 0.0, 1.0) * static_cast<double>(colours.size() - 1);
-  const std::size_t i = std::min(static_cast<std::size_t>(place), colours.size() - 2);
-  const double f = place - static_cast<double>(i);
-  const auto mix = [f](double from, double to) { return from + f * (to - from); };
-  return {mix(colours[i].red, colours[i + 1].red), mix(colours[i].green, colours[i + 1].green), mix(colours[i].blue, colours[i + 1].blue)};
-}
 
 double luminance(const Colour& c) {
   return 0.2126 * c.red + 0.7152 * c.green + 0.0722 * c.blue;

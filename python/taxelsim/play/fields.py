@@ -1,13 +1,31 @@
-"""Ranges and meanings of the settings in the browser, from the table of keys that `taxelsim schema` prints."""
+"""Names, units, ranges and meanings of the settings in the browser, from the table of keys that `taxelsim schema` prints."""
 
 from __future__ import annotations
 
 import json
 import subprocess
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
 from ..program import PROGRAM
+
+
+@dataclass(frozen=True)
+class Field:
+    """A key of a sensor or scene file."""
+
+    name: str
+    unit: str  #: Empty without one.
+    text: str  #: Its meaning, one sentence.
+    low: float
+    high: float
+    choices: tuple[str, ...]  #: Of an enumeration.
+
+    @property
+    def label(self) -> str:
+        """Name, and unit where the name does not end with it."""
+        return f"{self.name}, {self.unit}" if self.unit and not self.name.endswith(f"_{self.unit}") else self.name
 
 
 @cache
@@ -17,16 +35,11 @@ def _definitions() -> dict[str, Any]:
     return definitions
 
 
-def key(block: str, *names: str) -> dict[str, Any]:
-    """The schema of a key of a block, such as ("readout", "noise"). An alternative of several types is its first one."""
+def field(block: str, *names: str) -> Field:
+    """The field of a key of a block, such as ("readout", "noise"). An alternative of several types is its first one."""
     found = _definitions()[block]
     for name in names:
         found = found["properties"][name]
-        if "anyOf" in found:
-            found = {"description": found.get("description", ""), **found["anyOf"][0]}
-    return dict(found)
-
-
-def choices(block: str, *names: str) -> list[str]:
-    """Values of an enumeration."""
-    return list(key(block, *names)["enum"])
+        found = {**found, **found.get("anyOf", [{}])[0]}
+    low, high = found.get("minimum", -float("inf")), found.get("maximum", float("inf"))
+    return Field(names[-1], found.get("unit", ""), found["description"], low, high, tuple(found.get("enum", ())))

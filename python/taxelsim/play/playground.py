@@ -1,4 +1,4 @@
-"""The playground: a server of viser, its GUI, and a thread that computes the newest settings."""
+"""The playground: a server of viser, its controls, and a thread that computes the newest settings."""
 
 from __future__ import annotations
 
@@ -13,20 +13,21 @@ from typing import Any
 
 import numpy as np
 
-from .._core import Device, Sensor, load_sensor, max_depth_error_of, parse_object
-from ..errors import Error, InputError
-from ..pictures import ARROW_TAXELS, TactilePictures, colours_of, taxel_axes
+from .._core import Device, Object, Sensor, load_sensor, max_depth_error_of, parse_object
+from ..errors import Error
 from ..program import SCENES
-from ..viewer.shapes import taxel_quads, triangles_of
 from . import fields
+from .changes import law_name
+from .panels import COUNTS, NEWTONS, Panels, Scale, shown
+from .prediction import Linearization
+from .scene_3d import UNITS, Scene3D
 from .server import LOOPBACK, start_server
-from .state import Press, Settings, View, law_name, settings_at
+from .state import Item, Press, Settings, View, settings_at
 from .texts import program_text, scene_text
+from .uploads import FILE_UNITS, MAX_BYTES, SUFFIXES, Upload
 
 DEFAULT_SENSOR, DEFAULT_OBJECT = "wts0614", "cylinder:0.008,0.04"
-UNITS = 100.0
-"""Units of the 3-D scene per metre: controls and camera of viser suit a scene of that size."""
-_OBJECT_COLOUR, _ARROW_COLOUR = (190, 190, 200), (230, 60, 60)
+UP_AXES = ("z", "y", "x")
 
 
 def sensor_of(name: str | Path | Sensor) -> Sensor:
@@ -59,19 +60,24 @@ class Playground:
         port: int = 0,
     ) -> None:
         base = sensor_of(sensor)
-        self._specs = list(objects) or [DEFAULT_OBJECT]
-        items = [parse_object(spec, max_depth_error=max_depth_error_of(base.skin)) for spec in self._specs]
+        self._max_depth_error = max_depth_error_of(base.skin)
+        specs = list(objects) or [DEFAULT_OBJECT]
+        items = [Item(parse_object(spec, max_depth_error=self._max_depth_error), spec) for spec in specs]
         self._press = Press(device or Device.open(), base, items)
         half = math.sqrt(0.5)
         self._settings = Settings(rotation=(half, half, 0.0, 0.0), depth=0.05 * base.skin.thickness)
         self._condition = threading.Condition()
+        self._tasks: list[Callable[[], None]] = []
         self._pending: Settings | None = self._settings
         self._is_closed = False
+        self._unit = COUNTS
+        self._scale = Scale()
+        self._prediction: Linearization | None = None
         self.view: View | None = None
         """The newest frame."""
         self.num_views = 0
         """Frames so far."""
-        self._server, guard = start_server(port, "taxelsim play")
+        self._server, guard = start_server(port, "taxelsim play", MAX_BYTES, self._say)
         self.url = f"http://{LOOPBACK}:{self._server.get_port()}/{guard.token}/"
         """Address of the page, with the token. Any user of this machine who has it can use the playground."""
         self._build()
@@ -95,93 +101,125 @@ class Playground:
             try:
                 self._settings = self._pending = change(self._settings)
             except Error as error:
-                self._status.value = str(error)
+                self._say(str(error))
+            self._condition.notify()
+
+    def _say(self, line: str) -> None:
+        self._status.value = line
+
+    def _later(self, task: Callable[[], None]) -> None:
+        """Lets the worker, which alone uses the device, do a task before the next frame."""
+        with self._condition:
+            self._tasks.append(task)
             self._condition.notify()
 
     def _work(self) -> None:
         while True:
             with self._condition:
-                self._condition.wait_for(lambda: self._pending is not None or self._is_closed)
+                self._condition.wait_for(lambda: self._pending is not None or self._tasks or self._is_closed)
                 if self._is_closed:
                     return
+                tasks, self._tasks = self._tasks, []
                 settings, self._pending = self._pending, None
-            assert settings is not None
             try:
-                if self._press.needs_model(settings):
-                    self._status.value = "building the model ..."
-                begun = time.perf_counter()
-                view = self._press.view(settings)
-                self._show(view, time.perf_counter() - begun)
+                for task in tasks:
+                    task()
+                if settings is not None:
+                    self._compute(settings)
+                elif self.view is not None:
+                    self._show(self.view)
             except (Error, ArithmeticError, ValueError) as error:
-                self._status.value = str(error)
+                self._say(str(error))
+
+    def _compute(self, settings: Settings) -> None:
+        if self._press.needs_model(settings):
+            self._say("building the model ...")
+            self._scale, self._prediction, self._predicts.value = Scale(), None, False
+        begun = time.perf_counter()
+        view = self._press.view(settings)
+        self._show(view)
+        self.view, self.num_views = view, self.num_views + 1
+        reached = "" if view.load_reached else "; the load is out of reach"
+        self._say(f"{1e3 * (time.perf_counter() - begun):.0f} ms{reached}")
+
+    def _show(self, view: View) -> None:
+        unit = NEWTONS if self._prediction is not None else self._unit
+        values = shown(view, unit)
+        brightest = self._scale.range_of(unit, values, view.sensor.readout.noise)
+        with self._server.atomic():
+            is_new = self.view is None or self.view.settings.depth != view.settings.depth
+            self._scene.show(view, values / brightest, moves=is_new or view.settings.load is not None)
+            self._panels.show(view, unit, brightest, self._prediction)
 
     def _build(self) -> None:
-        base, gui, scene = self._press.base, self._server.gui, self._server.scene
+        base, gui = self._press.base, self._server.gui
         self._status = gui.add_text("status", "starting ...", disabled=True)
-        self._image = gui.add_image(np.zeros((8, 8, 3), np.uint8), label="tactile image", format="png")
-        self._numbers = gui.add_html("")
-        self._object = gui.add_dropdown("object", [f"{i}: {spec}" for i, spec in enumerate(self._specs)])
-        self._object.on_update(lambda _: self._choose_object())
-        self._add_slider("depth, mm", 1e3 * base.skin.thickness, 1e3 * self._settings.depth, self._set_depth, ("randomization", "depth_mm"))
-        self._add_slider("load, N (0: by depth)", 20.0, 0.0, self._set_load, ("randomization", "load"))
-        skin, readout = base.skin, base.readout
-        self._add_change("noise, counts", "noise", 0.05 * readout.saturation, readout.noise, ("readout", "noise"))
-        self._add_change("friction", "friction", 2.0, skin.friction.friction_coefficient, ("skin", "friction_coefficient"))
-        if base.psf.sigma == 0:
-            self._add_change("point spread, taxels", "spread", 2.0, 0.0, ("psf", "gaussian", "sigma"))
-        laws, samplings = fields.choices("skin", "law"), fields.choices("sensor", "depth_sampling")
-        own = next(law for law in laws if law.replace("_", "") == law_name(skin))
-        self._add_choice("contact law", "law", laws, own)
-        self._add_choice("sampling", "sampling", samplings, base.depth_sampling.name.lower())
+        self._panels = Panels(gui, base.name)
+        with gui.add_folder("object"):
+            self._object = gui.add_dropdown("object", self._object_names())
+            self._object.on_update(lambda _: self._choose_object())
+            upload = gui.add_upload_button("upload a mesh", mime_type=",".join(SUFFIXES))
+            upload.on_upload(lambda event: self._receive(event.target.value, event.client))
+            thickness = base.skin.thickness
+            self._add_slider(fields.field("randomization", "depth_mm"), 1e3 * thickness, 1e3 * self._settings.depth, self._set_depth)
+            self._add_slider(fields.field("randomization", "load"), 20.0, 0.0, self._set_load)
+            follows = gui.add_checkbox("sliding adds up shear", self._settings.follows)
+            follows.on_update(lambda _: self.change(lambda s: replace(s, follows=bool(follows.value))))
+        with gui.add_folder("sensor"):
+            skin, readout = base.skin, base.readout
+            self._add_choice(fields.field("skin", "law"), lambda law: law.replace("_", "") == law_name(skin))
+            self._add_choice(fields.field("sensor", "depth_sampling"), lambda name: name == base.depth_sampling.name.lower())
+            self._add_change(fields.field("skin", "friction_coefficient"), 2.0, skin.friction.friction_coefficient)
+            self._add_change(fields.field("readout", "noise"), 0.05 * readout.saturation, readout.noise)
+            if base.psf.sigma == 0:
+                self._add_change(fields.field("psf", "gaussian", "sigma"), 2.0, 0.0)
+        with gui.add_folder("view"):
+            unit = gui.add_dropdown("taxels show", (COUNTS, NEWTONS), initial_value=self._unit)
+            unit.on_update(lambda _: self._show_unit(unit.value))
+            self._predicts = gui.add_checkbox("predict by the Jacobian from here", False)
+            self._predicts.on_update(lambda event: self._predict(event.client is not None and bool(self._predicts.value)))
         gui.add_button("copy as Python").on_click(lambda event: self._send(event, "play.py", program_text))
         gui.add_button("save as scene").on_click(lambda event: self._send(event, "play.yaml", scene_text))
-        corners = taxel_quads(base)[0].reshape(-1, 4, 3)
-        self._taxels = [
-            scene.add_mesh_simple(f"/taxels/{i}", UNITS * quad, np.array([[0, 1, 2], [0, 2, 3]]), color=(20, 20, 60), side="double")
-            for i, quad in enumerate(corners)
-        ]
-        self._arrows = scene.add_arrows("/shear", np.zeros((1, 2, 3), np.float32), _ARROW_COLOUR, visible=False)
-        self._gizmo = scene.add_transform_controls("/object", scale=2.0)
-        self._gizmo.on_update(lambda event: self._drag(event.target))
-        self._draw_object()
-        self._pictures = TactilePictures(base)
-        extent = UNITS * float(np.ptp(base.taxel_positions, axis=0).max() + 0.01)
-        self._server.initial_camera.position = (0.6 * extent, 0.0, 0.8 * extent)
-        self._server.initial_camera.look_at = (0.0, 0.0, 0.0)
+        self._scene = Scene3D(self._server, base, self._drag)
+        self._scene.draw_object(self._shape)
 
-    def _draw_object(self) -> None:
-        shape = self._press.objects[self._settings.object_index].shape
-        vertices, triangles = triangles_of(shape, 0.1)
-        self._server.scene.add_mesh_simple("/object/shape", UNITS * vertices, triangles, color=_OBJECT_COLOUR, opacity=0.5, side="double")
+    @property
+    def _shape(self) -> Any:
+        return self._press.items[self._settings.object_index].object.shape
 
-    def _add_slider(self, label: str, high: float, value: float, use: Callable[[float], None], key: tuple[str, ...]) -> None:
-        limits = fields.key(*key)
-        high = max(min(high, limits.get("maximum", high)), value)
-        hint = limits["description"]
-        slider = self._server.gui.add_slider(label, 0.0, high, high / 500, value, hint=hint)
+    def _object_names(self) -> list[str]:
+        return [f"{i}: {item.spec}" for i, item in enumerate(self._press.items)]
+
+    def _add_slider(self, field: fields.Field, high: float, value: float, use: Callable[[float], None]) -> None:
+        low = max(field.low, 0.0)
+        value = max(value, low)
+        high = max(min(field.high, high), value)
+        slider = self._server.gui.add_slider(field.label, low, high, (high - low) / 500, value, hint=field.text)
 
         def update(_: Any) -> None:
-            if math.isfinite(slider.value) and 0 <= slider.value <= high:
+            if math.isfinite(slider.value) and low <= slider.value <= high:
                 use(slider.value)
             else:
-                self._status.value = f"{label}: {slider.value} is not allowed: 0 to {high:.4g}"
+                self._say(f"{field.label}: {slider.value} is not allowed: {low:.4g} to {high:.4g}")
 
         slider.on_update(update)
 
     def _changed(self, **changes: Any) -> None:
         self.change(lambda s: replace(s, changes=replace(s.changes, **changes)))
 
-    def _add_change(self, label: str, name: str, high: float, value: float, key: tuple[str, ...]) -> None:
-        self._add_slider(label, high, value, lambda number: self._changed(**{name: number}), key)
+    def _add_change(self, field: fields.Field, high: float, value: float) -> None:
+        self._add_slider(field, high, value, lambda number: self._changed(**{field.name: number}))
 
-    def _add_choice(self, label: str, name: str, values: list[str], value: str) -> None:
-        dropdown = self._server.gui.add_dropdown(label, values, initial_value=value)
+    def _add_choice(self, field: fields.Field, is_own: Callable[[str], bool]) -> None:
+        dropdown = self._server.gui.add_dropdown(
+            field.label, field.choices, initial_value=next(filter(is_own, field.choices)), hint=field.text
+        )
 
         def update(_: Any) -> None:
-            if dropdown.value in values:
-                self._changed(**{name: dropdown.value})
+            if dropdown.value in field.choices:
+                self._changed(**{field.name: dropdown.value})
             else:
-                self._status.value = f"{label}: {dropdown.value!r:.40} is not allowed: {', '.join(values)}"
+                self._say(f"{field.name}: {dropdown.value!r:.40} is not allowed: {', '.join(field.choices)}")
 
         dropdown.on_update(update)
 
@@ -191,57 +229,70 @@ class Playground:
     def _set_load(self, newtons: float) -> None:
         self.change(lambda s: replace(s, load=newtons if newtons > 0 else None))
 
+    def _show_unit(self, unit: str) -> None:
+        if unit in (COUNTS, NEWTONS):
+            self._unit = unit
+            self._later(lambda: None)
+
+    def _predict(self, wanted: bool) -> None:
+        def linearize() -> None:
+            self._prediction = self._press.linearize() if wanted else None
+
+        self._later(linearize)
+
     def _choose_object(self) -> None:
         index = self._object.value.partition(":")[0]
-        if index.isdecimal() and int(index) < len(self._specs):
+        if index.isdecimal() and int(index) < len(self._press.items):
             self.change(lambda s: replace(s, object_index=int(index)))
-            self._draw_object()
+            self._scene.draw_object(self._shape)
+
+    def _receive(self, uploaded: Any, client: Any) -> None:
+        """Reads an uploaded mesh and asks for the unit of its file."""
+        try:
+            self._say(f"reading {uploaded.name!r:.80} ...")
+            upload = Upload.of(uploaded.name, uploaded.content)
+        except Error as error:
+            self._say(str(error))
+            return
+        self._say(f"{upload.name}: which unit?")
+        with client.gui.add_modal(f"Which unit has {upload.name}?") as question:
+            sides = " x ".join(f"{side:.4g}" for side in upload.sides)
+            client.gui.add_text("bounding box", f"{sides} units of the file, {upload.num_triangles} triangles", disabled=True)
+            unit = client.gui.add_dropdown("unit", tuple(FILE_UNITS), initial_value=upload.likely_unit)
+            up_axis = client.gui.add_dropdown("axis that points away from the skin", UP_AXES)
+            accept, cancel = client.gui.add_button("use it"), client.gui.add_button("cancel")
+
+        def use(_: Any) -> None:
+            question.close()
+            try:
+                self._say(f"simplifying {upload.name} ...")
+                mesh = upload.mesh(unit.value, up_axis.value, self._max_depth_error)
+            except Error as error:
+                self._say(str(error))
+                return
+            self._later(lambda: self._add(Item(Object(mesh), upload.name, FILE_UNITS[unit.value], up_axis.value)))
+
+        accept.on_click(use)
+        cancel.on_click(lambda _: question.close())
+
+    def _add(self, item: Item) -> None:
+        index = self._press.add(item)
+        self._object.options = self._object_names()
+        self._object.value = self._object.options[index]  # calls _choose_object()
 
     def _drag(self, target: Any) -> None:
         position, rotation = np.array(target.position) / UNITS, np.array(target.wxyz)
-        self.change(lambda s: settings_at(s, self._press.objects[s.object_index], position, rotation))
+        self.change(lambda s: settings_at(s, self._press.items[s.object_index].object, position, rotation))
 
-    def _send(self, event: Any, name: str, text_of: Callable[..., str]) -> None:
+    def _send(self, event: Any, name: str, text_of: Callable[[View, Item], str]) -> None:
         view = self.view
         if view is None or event.client is None:
             return
-        index = view.settings.object_index
         try:
-            text = text_of(view, self._press.objects[index], self._specs[index])
+            text = text_of(view, self._press.items[view.settings.object_index])
             event.client.send_file_download(name, text.encode(), save_immediately=True)
-        except InputError as error:
-            self._status.value = str(error)
-
-    def _show(self, view: View, seconds: float) -> None:
-        picture = self._pictures.draw(view.counts[None])[0]
-        colours = colours_of(view.counts / self._pictures.range)
-        with self._server.atomic():
-            for taxel, colour in zip(self._taxels, colours, strict=True):
-                taxel.color = tuple(colour.tolist())
-            self._show_shear(view)
-            if view.settings.load is not None:
-                self._gizmo.position = UNITS * view.pose[:3]
-            elif self.view is None or self.view.settings.depth != view.settings.depth:
-                self._gizmo.position, self._gizmo.wxyz = UNITS * view.pose[:3], view.pose[3:]
-            self._image.image = np.repeat(np.repeat(picture, 2, 0), 2, 1)
-            f = view.features
-            self._numbers.content = (
-                f"<pre>force      {f['total_force']:9.3f} N\npeak       {f['peak_force']:9.3f} N\n"
-                f"edge angle {math.degrees(f['edge_angle']):9.1f} deg</pre>"
-            )
-            reached = "" if view.load_reached else "; the load is out of reach"
-            self._status.value = f"{1e3 * seconds:.0f} ms{reached}"
-        self.view, self.num_views = view, self.num_views + 1
-
-    def _show_shear(self, view: View) -> None:
-        scale = float(np.abs(view.shear).max(initial=0.0))
-        self._arrows.visible = scale > 0
-        if scale > 0:
-            pitch = max(view.sensor.patches[0].pitch)
-            vectors = np.einsum("ta,tas->ts", view.shear / scale, taxel_axes(view.sensor)) * (ARROW_TAXELS * pitch)
-            starts = view.sensor.taxel_positions
-            seen = np.linalg.norm(view.shear, axis=1) > 0.05 * scale
-            self._arrows.points = (UNITS * np.stack([starts, starts + vectors], 1)[seen]).astype(np.float32)
+        except Error as error:
+            self._say(str(error))
 
 
 __all__ = ["Playground"]

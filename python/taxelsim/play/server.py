@@ -16,7 +16,7 @@ from typing import Any
 
 import viser
 import websockets.asyncio.server as websocket_server
-from viser._messages import ShareUrlDisconnect, ShareUrlRequest
+from viser._messages import FileTransferPart, FileTransferStartUpload, ShareUrlDisconnect, ShareUrlRequest
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
@@ -84,8 +84,35 @@ def _guarding(guard: Guard) -> Iterator[None]:
             websocket_server.serve = original
 
 
-def start_server(port: int, label: str) -> tuple[viser.ViserServer, Guard]:
-    """Starts a server on `port`, 0 for a free one, or on the next free port. Raises IoError if it cannot be protected."""
+def _limit_uploads(gui: viser.GuiApi, max_bytes: int, say: Callable[[str], None]) -> None:
+    """Each browser uploads one file at a time, of `max_bytes` at most, and no more bytes than it announced. say: gets a refusal."""
+    connections, states = gui._websock_interface, gui._current_file_upload_states
+    start, receive = gui._handle_file_transfer_start, gui._handle_file_transfer_part
+
+    def limited_start(client: Any, message: FileTransferStartUpload) -> None:
+        gui._drop_uploads_from_client(client)
+        if 0 <= message.size_bytes <= max_bytes and 0 <= message.part_count <= max_bytes:
+            start(client, message)
+        else:
+            say(f"a file of {message.size_bytes} bytes is not allowed: at most {max_bytes}")
+
+    def limited_part(client: Any, message: FileTransferPart) -> None:
+        state = states.get(message.transfer_uuid)
+        if state is not None and state["transferred_bytes"] + len(message.content) > state["total_bytes"]:
+            states.pop(message.transfer_uuid, None)
+        else:
+            receive(client, message)
+
+    for message, old, new in ((FileTransferStartUpload, start, limited_start), (FileTransferPart, receive, limited_part)):
+        connections.unregister_handler(message, old)
+        connections.register_handler(message, new)
+
+
+def start_server(port: int, label: str, max_upload_bytes: int, say: Callable[[str], None]) -> tuple[viser.ViserServer, Guard]:
+    """Starts a server on `port`, 0 for a free one, or on the next free port. say: gets one line where an upload is refused.
+
+    Raises IoError if it cannot be protected.
+    """
     guard = Guard()
     with _guarding(guard):
         server = viser.ViserServer(host=LOOPBACK, port=port, label=label, verbose=False)
@@ -94,5 +121,6 @@ def start_server(port: int, label: str) -> tuple[viser.ViserServer, Guard]:
         raise IoError(f"viser {viser.__version__} cannot be protected by a token: 1.1 is supported")
     for message in (ShareUrlRequest, ShareUrlDisconnect):
         server._websock_server.unregister_handler(message)
-    server.gui.configure_theme(show_share_button=False, show_logo=False)
+    _limit_uploads(server.gui, max_upload_bytes, say)
+    server.gui.configure_theme(show_share_button=False, show_logo=False, control_width="large")
     return server, guard

@@ -15,7 +15,7 @@ Triangles = tuple[NDArray[np.float32], NDArray[np.uint32]]
 """Vertices (V, 3), m, and triangles (T, 3), indices of vertices."""
 
 _SEGMENTS = 48  # around an axis of revolution, and along a circle of a profile
-_TAXEL_SHARE = 0.94  # of the pitch, so that the grid is visible
+TAXEL_SHARE = 0.94  # of the pitch, so that the grid is visible
 
 # Corners of a box of half size 1, by bits x, y, z, and its triangles.
 _CORNERS = np.array([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)], np.float64)
@@ -77,10 +77,15 @@ def flat_shaded(vertices: NDArray[np.float32], triangles: NDArray[np.uint32]) ->
     return corners.reshape(-1, 3), np.repeat(unit, 3, 0).astype(np.float32)
 
 
+def taxel_pitches(sensor: Sensor) -> NDArray[np.float64]:
+    """Distances (num_taxels, 2), m, to the next taxel along x and y of the patch."""
+    return np.concatenate([np.repeat([patch.pitch], patch.num_rows * patch.num_cols, 0) for patch in sensor.patches])
+
+
 def taxel_quads(sensor: Sensor) -> Triangles:
     """A rectangle for each taxel in S: four vertices and two triangles each, vertices in the order of the taxels."""
-    pitches = np.concatenate([np.repeat([patch.pitch], patch.num_rows * patch.num_cols, 0) for patch in sensor.patches])
-    halves = taxel_axes(sensor) * pitches[:, :, None] * (_TAXEL_SHARE / 2)
+    pitches = taxel_pitches(sensor)
+    halves = taxel_axes(sensor) * pitches[:, :, None] * (TAXEL_SHARE / 2)
     signs = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
     corners = sensor.taxel_positions[:, None] + np.einsum("cs,tsx->tcx", signs, halves)
     return corners.reshape(-1, 3).astype(np.float32), _quads(np.arange(4 * len(pitches)).reshape(-1, 4))

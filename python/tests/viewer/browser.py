@@ -5,6 +5,7 @@ TAXELSIM_CHROMEDRIVER and TAXELSIM_CHROMIUM name the programs; scripts/campaign 
 """
 
 import base64
+import contextlib
 import io
 import json
 import os
@@ -28,8 +29,7 @@ PATIENCE = 300.0  # s, until the web viewer has drawn
 OPTIONS = ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--use-gl=angle", "--use-angle=swiftshader"]
 OPTIONS += ["--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--window-size=1400,900"]
 
-TAXEL = (20, 20, 60)  # without force
-NO_COUNTS = (70, 1, 84)  # in a tactile image: the lower end of Viridis
+TAXEL = NO_COUNTS = (68, 1, 84)  # without force: the lower end of Viridis
 MAX_DIFFERENCE = 4  # of 255, of the rounding of the colour scale
 ENOUGH_PIXELS = 500
 
@@ -61,6 +61,26 @@ class Browser:
         data = base64.b64decode(self._call("GET", f"{self._session}/screenshot"))
         return np.asarray(Image.open(io.BytesIO(data)).convert("RGB"))
 
+    def type_into(self, selector: str, text: str) -> None:
+        """Sends keys to the first element of a CSS selector; a file name to an input of files."""
+        element = self._call("POST", f"{self._session}/element", {"using": "css selector", "value": selector})
+        self._call("POST", f"{self._session}/element/{next(iter(element.values()))}/value", {"text": text})
+
+    def drag(self, start: tuple[int, int], end: tuple[int, int], num_steps: int = 10) -> None:
+        """Moves the mouse from one pixel to another with its button down."""
+        points = [[round(a + (b - a) * k / num_steps) for a, b in zip(start, end, strict=True)] for k in range(1, num_steps + 1)]
+        moves = [{"type": "pointerMove", "x": x, "y": y, "duration": 50} for x, y in points]
+        hover = [{"type": "pointerMove", "x": x, "y": start[1], "duration": 50} for x in (start[0] - 3, start[0])]
+        actions = [
+            *hover,
+            {"type": "pause", "duration": 500},
+            {"type": "pointerDown", "button": 0},
+            *moves,
+            {"type": "pointerUp", "button": 0},
+        ]
+        body = {"actions": [{"type": "pointer", "id": "mouse", "parameters": {"pointerType": "mouse"}, "actions": actions}]}
+        self._call("POST", f"{self._session}/actions", body)
+
     def close(self) -> None:
         self._call("DELETE", self._session)
 
@@ -75,8 +95,9 @@ def wait_for(port: int) -> None:
     raise TimeoutError(f"nothing listens on port {port}")
 
 
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
+@contextlib.contextmanager
+def driven() -> Iterator[Browser]:
+    """A browser with its own chromedriver."""
     with socket.socket() as free:
         free.bind((LOOPBACK, 0))
         port = free.getsockname()[1]
@@ -89,6 +110,18 @@ def browser() -> Iterator[Browser]:
     finally:
         driver.terminate()
         driver.wait()
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with driven() as session:
+        yield session
+
+
+@pytest.fixture(scope="module")
+def second_browser() -> Iterator[Browser]:
+    with driven() as session:
+        yield session
 
 
 def test_a_report_shows_all_its_pictures_and_loads_nothing(browser, viewed, tmp_path):

@@ -1,0 +1,103 @@
+"""What the side panel of the playground shows of a frame: a figure, curves over time, and a prediction beside the truth."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+from viser import uplot
+
+from .._core import counts_range
+from .._counts import IMAGE_UNITS
+from .._pictures import sensor_figure
+from .prediction import Features, Linearization
+from .state import View, step_time
+
+COUNTS, NEWTONS = IMAGE_UNITS
+_JPEG_QUALITY = 90
+_LEAST_FORCE = 1e-3  # N, of the brightest colour
+_NUM_POINTS = 200  # of a curve
+_BLUE, _ORANGE = "#0072b2", "#d55e00"
+
+
+class Scale:
+    """The value of the brightest colour, by unit: the largest so far, so that colours do not flicker."""
+
+    def __init__(self) -> None:
+        self._ranges: dict[str, float] = {}
+
+    def range_of(self, unit: str, values: NDArray[np.float64], noise: float) -> float:
+        """The range that includes `values`. noise: counts."""
+        found = counts_range(values, noise) if unit == COUNTS else float(values.max(initial=_LEAST_FORCE))
+        self._ranges[unit] = max(self._ranges.get(unit, 0.0), found)
+        return self._ranges[unit]
+
+
+def shown(view: View, unit: str) -> NDArray[np.float64]:
+    """One value per taxel: counts, or true normal forces."""
+    return view.newtons if unit == NEWTONS else view.counts.astype(np.float64)
+
+
+class Panels:
+    """Figure, table and curves in the side panel of a server."""
+
+    def __init__(self, gui: viser.GuiApi, title: str) -> None:
+        self._title = title
+        self._figure = gui.add_image(np.full((8, 8, 3), 255, np.uint8), format="jpeg", jpeg_quality=_JPEG_QUALITY)
+        self._table = gui.add_html("")
+        self._points: deque[tuple[float, ...]] = deque(maxlen=_NUM_POINTS)
+        self._time = self._angle = 0.0
+        self._curves = [
+            gui.add_uplot(
+                (np.zeros(2),) * 3,
+                (uplot.Series(label="s"), uplot.Series(label="predicted", stroke=_ORANGE), uplot.Series(label=label, stroke=_BLUE)),
+                scales={"x": uplot.Scale(time=False)},
+                height=150,
+            )
+            for label in ("total_force, N", "edge_angle, deg")
+        ]
+
+    def show(self, view: View, unit: str, range: float, prediction: Linearization | None) -> None:
+        """Draws a frame."""
+        f = view.features
+        line = f"{f['total_force']:.4g} N   angle {math.degrees(f['edge_angle']):.1f}°   area {1e6 * f['contact_area']:.3g} mm²"
+        images = [("", shown(view, unit))]
+        expected = None
+        if prediction is not None:
+            expected = prediction.features_at(view.pose)
+            images = [("true normal forces", view.newtons), ("predicted by the Jacobian", prediction.newtons_at(view.pose))]
+            unit = NEWTONS
+        if unit == NEWTONS:  # whole millinewtons, which fit into the cells
+            images, range = [(title, np.rint(1e3 * values)) for title, values in images], 1e3 * range
+        self._figure.image = sensor_figure(view.sensor, images, self._title, line, "mN" if unit == NEWTONS else COUNTS, range)
+        self._table.content = "" if expected is None else _table(view.truth, expected)
+        self._draw_curves(view, expected)
+
+    def _draw_curves(self, view: View, expected: Features | None) -> None:
+        self._time += step_time(view.sensor)
+        # Without a prediction its line lies under that of the truth: uPlot draws no axis for values that are not numbers.
+        both = (expected or view.truth, view.truth)
+        angles = [_beside(f.edge_angle, self._angle) for f in both]
+        self._angle = angles[1]
+        self._points.append((self._time, *(f.total_force for f in both), *map(math.degrees, angles)))
+        time, *curves = np.array(self._points).T
+        for plot, values in zip(self._curves, (curves[:2], curves[2:]), strict=True):
+            plot.data = (time, *values)
+
+
+def _beside(angle: float, last: float) -> float:
+    """The angle of the same line that is nearest to `last`, rad: an edge turns on beyond 90 degrees."""
+    return angle - math.pi * round((angle - last) / math.pi)
+
+
+def _table(true: Features, predicted: Features) -> str:
+    lines = ["                      true  predicted"]
+    lines.append(f"total_force, N  {true.total_force:10.3f} {predicted.total_force:10.3f}")
+    for axis, name in enumerate("xy"):
+        values = (round(1e3 * each.center_of_pressure[axis], 3) + 0.0 for each in (true, predicted))
+        lines.append("center {}, mm    {:10.3f} {:10.3f}".format(name, *values))
+    lines.append(f"edge_angle, deg {math.degrees(true.edge_angle):10.2f} {math.degrees(predicted.edge_angle):10.2f}")
+    return "<pre style='font-size: 80%; margin: 0 0.7em'>" + "\n".join(lines) + "</pre>"
