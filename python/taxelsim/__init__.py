@@ -104,6 +104,7 @@ from .environment import Environment, EnvironmentFrame, TaskState, episode_keys
 from .errors import ArgumentError, DeviceError, Error, InputError, IoError, OutOfRangeError
 from .frame import CleanTactileJacobian, ContactFeatures, Features, Frame, GroundTruth, TactileJacobian
 from .gradients import Gradient, vjp
+from .inputs import Inputs
 from .parts import EvaluationPart, evaluate_part, merge_evaluations
 from .policies import Comparison, OnnxPolicy, Policy, compare
 from .program import SCENES
@@ -154,6 +155,7 @@ __all__ = [
     "GroundTruth",
     "HalfSpace",
     "InputError",
+    "Inputs",
     "Interrupted",
     "IoError",
     "KnownModulus",

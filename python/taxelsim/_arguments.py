@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ._arrays import to_numpy
 from .errors import InputError
 
 
@@ -47,7 +48,7 @@ def checked_actions(
 
     name_of: name of a row in messages.
     """
-    array = np.asarray(actions)
+    array = np.asarray(to_numpy("actions", actions))
     if not np.issubdtype(array.dtype, np.floating):
         raise InputError(f"actions: dtype {array.dtype} is not allowed: floating-point numbers")
     if array.shape != shape:
@@ -64,7 +65,7 @@ def checked_actions(
 def checked_mask(options: dict[str, Any] | None, num_envs: int) -> NDArray[np.bool_]:
     """The mask of `reset(options=...)`: all environments without one."""
     options = dict(options or {})
-    mask = options.pop("reset_mask", None)
+    mask = to_numpy("options['reset_mask']", options.pop("reset_mask", None))
     if options:
         raise InputError(f"options: {next(iter(options))!r} is not allowed: only 'reset_mask'")
     if mask is None:

@@ -57,6 +57,19 @@ def _first_bad(finite: npt.NDArray[np.bool_], value: npt.NDArray[Any], per_insta
     return f"{value[index]} of {place}"
 
 
+def to_numpy(name: str, value: Any) -> Any:
+    """A tensor of PyTorch as an array over its memory, without its gradient; other values as they are.
+
+    Raises InputError for a tensor that is not on the CPU, or whose type NumPy lacks.
+    """
+    if not hasattr(value, "detach"):
+        return value
+    try:
+        return value.detach().numpy()
+    except (TypeError, RuntimeError):
+        raise InputError(f"{name}: a tensor of {value.dtype} on {value.device} is not allowed: of a type of NumPy, on the CPU") from None
+
+
 def to_array(
     name: str,
     value: npt.ArrayLike,
@@ -66,14 +79,14 @@ def to_array(
     per_instance: bool = True,
     drop_slots: bool = False,
 ) -> npt.NDArray[Any]:
-    """`value` as a contiguous array of `dtype` with one of `shapes`. A negative size in a shape allows any length.
+    """`value` as a contiguous array of `dtype` with one of `shapes`, without a copy if it is one. A negative size allows any length.
 
     per_instance: whether the first axis are the instances, which messages name. drop_slots: whether a second axis of length 1 is dropped.
 
     Raises InputError for another shape, for numbers that `dtype` cannot hold, and for NaN and infinity.
     """
     try:
-        found = np.asarray(value)
+        found = np.asarray(to_numpy(name, value))
     except ValueError:
         raise InputError(f"{name}: rows of different lengths; expected {' or '.join(map(shape_text, shapes))}") from None
     if drop_slots and found.ndim > 1 and found.shape[1] == 1:

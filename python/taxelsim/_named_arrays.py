@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from ._tensors import converted, converter
+
 if TYPE_CHECKING:
     from typing_extensions import Self
 
@@ -58,6 +60,15 @@ class Arrays:
     def copy(self) -> Self:
         """The same arrays, copied: they do not change when the simulator steps."""
         return type(self)(_copied(self.as_dict()), self._absent)
+
+    def tensors(self, library: str = "torch") -> Self:
+        """The same arrays as tensors of "torch", "jax", "warp" or "numpy", on the CPU: what this returns has them under the same names.
+
+        They share the memory of the arrays, keep it alive, and show newer numbers after a step; do not write to them. JAX takes arrays for
+        constant and copies those that do not begin at a multiple of 64 bytes: call this again after each step. Raises InputError for
+        another name, ImportError if the library is not installed.
+        """
+        return type(self)(converted(self.as_dict(), converter(library)), self._absent)
 
     def __reduce__(self) -> tuple[type[Self], tuple[dict[str, Any], Mapping[str, str]]]:
         return type(self), (self.as_dict(), self._absent)

@@ -18,6 +18,7 @@ from ._log import logger
 from .errors import InputError
 from .frame import Frame
 from .gradients import Gradient
+from .inputs import Inputs, commit, new_inputs
 
 NO_OBJECT = -1
 """Id of an empty slot."""
@@ -81,6 +82,7 @@ class Simulator:
         self._frame = Frame(arrays if self._newtons is None else {**arrays, "tactile_image": self._newtons.array}, one_axis)
         self._first: FirstFrame | None = FirstFrame(model.sensor, "set_contacts" if max_contacts > 0 else "set_objects")
         self._warns_of_loads = True
+        self._inputs: Inputs | None = None
 
     @staticmethod
     def plan(model: Model, options: SimulatorOptions) -> MemoryPlan:
@@ -106,6 +108,13 @@ class Simulator:
     def num_slots(self) -> int:
         """S, objects per instance."""
         return self._options.num_slots
+
+    @property
+    def inputs(self) -> Inputs:
+        """Writable arrays of objects and loads, or of contact points. Once they exist, every step() takes them in place of the setters."""
+        if self._inputs is None:
+            self._inputs = new_inputs(self.num_instances, self.num_slots, self._options.max_contacts)
+        return self._inputs
 
     @property
     def _N(self) -> Dimension:
@@ -240,6 +249,8 @@ class Simulator:
         Arrays of earlier frames change from now on. Raises RuntimeError if the last step has not been read, or if one of `instances` has
         taken a step since its last reset().
         """
+        if self._inputs is not None:
+            commit(self._inputs, self)
         if instances is None:
             self._batch.step(dt)
         else:

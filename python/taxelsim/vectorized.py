@@ -38,6 +38,7 @@ class VectorEnvArguments(EnvArguments, total=False):
     """Optional arguments of taxelsim.envs.TactileVectorEnv."""
 
     autoreset_mode: AutoresetMode | str
+    backend: str
 
 
 def make_vec(scene: Scene | str | os.PathLike[str], num_envs: int = 1, **arguments: Unpack[VectorEnvArguments]) -> TactileVectorEnv:

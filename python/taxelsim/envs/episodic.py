@@ -12,6 +12,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 
 from .._arguments import checked_actions, checked_count, checked_mask, checked_seeds
+from .._tensors import converted, converter
 from ..environment import episode_keys
 from ..errors import InputError
 
@@ -35,6 +36,9 @@ class EpisodicVectorEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]], ABC):
 
     Every array in `infos` has one row per environment, and a mask `_name` of the rows that are valid.
 
+    backend: "numpy", or "torch", "jax" or "warp": the library of what reset() and step() return, on the CPU, without a copy for PyTorch and
+    Warp. Numbers are those of NumPy, but JAX makes 64 bits to 32. Actions may come from any library on the CPU.
+
     Subclasses set the spaces and `step_time`, and implement `_start`, `_advance`, `_observe`, `_info` and `render`. One
     thread at a time may use an environment; several environments may run in several threads. An environment does not
     survive `os.fork()`: its use in the child raises `taxelsim.DeviceError`.
@@ -44,8 +48,9 @@ class EpisodicVectorEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]], ABC):
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "autoreset_mode": AutoresetMode.SAME_STEP}  # noqa: RUF012
 
-    def __init__(self, num_envs: int, autoreset_mode: AutoresetMode | str, render_mode: str | None) -> None:
+    def __init__(self, num_envs: int, autoreset_mode: AutoresetMode | str, render_mode: str | None, backend: str = "numpy") -> None:
         super().__init__()
+        self.backend, self._convert = backend, converter(backend)
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise InputError(f"render_mode: {render_mode!r} is not allowed: None and 'rgb_array'")
         self.render_mode = render_mode
@@ -100,7 +105,11 @@ class EpisodicVectorEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]], ABC):
             self._seeds[mask] = seeds[mask]
             self._reset_counts[mask] = 0
         self._begin(mask)
-        return self._observe(), _masked(self._info(), mask)
+        return self._given(self._observe()), self._given(_masked(self._info(), mask))
+
+    def _given(self, value: Any) -> Any:
+        """The arrays of `value` in the library of the backend."""
+        return value if self.backend == "numpy" else converted(value, self._convert)
 
     def step(self, actions: NDArray[Any]) -> tuple[Any, NDArray[np.float64], Mask, Mask, Infos]:
         """Performs `actions` (num_envs, ...); see `action_space`. Values outside of [-1, 1] are clipped.
@@ -128,7 +137,8 @@ class EpisodicVectorEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]], ABC):
         if self.autoreset_mode is AutoresetMode.SAME_STEP and self._ended.any():
             self._replace_ended(infos)
         infos.update(_masked(self._info(), np.ones(self.num_envs, np.bool_)))
-        return self._observe(), rewards, terminated, truncated, infos
+        results = self._observe(), rewards, terminated, truncated, infos
+        return results if self.backend == "numpy" else tuple(map(self._given, results))
 
     def _replace_ended(self, infos: Infos) -> None:
         assert self._ended is not None

@@ -39,7 +39,7 @@ class RslRlVecEnv(VecEnv):  # type: ignore[misc]
         return self._observation
 
     def step(self, actions: torch.Tensor) -> tuple[TensorDict, torch.Tensor, torch.Tensor, dict[str, Any]]:
-        observation, rewards, terminated, truncated, _ = self.envs.step(actions.detach().cpu().numpy())
+        observation, rewards, terminated, truncated, _ = self.envs.step(actions.detach().cpu())
         self._observation = self._tensors(observation)
         dones = torch.as_tensor(terminated | truncated, dtype=torch.long, device=self.device)
         self.episode_length_buf = (self.episode_length_buf + 1) * (1 - dones)

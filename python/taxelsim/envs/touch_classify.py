@@ -79,8 +79,9 @@ class TouchClassifyVectorEnv(EpisodicVectorEnv):
         render_mode: str | None = None,
         range: float | None = None,
         device: Device | str = "",
+        backend: str = "numpy",
     ) -> None:
-        super().__init__(num_envs, autoreset_mode, render_mode)
+        super().__init__(num_envs, autoreset_mode, render_mode, backend)
         self.step_time = 2 * _STEP_TIME
         (self._observation,) = checked_names("observation", observation, TOUCH_OBSERVATIONS)
         self.num_touches = checked_count("num_touches", num_touches)

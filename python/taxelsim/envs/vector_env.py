@@ -39,6 +39,7 @@ class TactileVectorEnv(EpisodicVectorEnv):
     render_mode: None, or "rgb_array": render() returns a picture of every tactile image, of three-axis taxels with arrows for the shear.
     range: counts of the brightest colour of these pictures; default: the largest so far, beyond noise.
     device: an open Device, or the argument of Device.open().
+    backend: library of the tensors that reset() and step() return, see EpisodicVectorEnv.
 
     Infos, from ground truth: `episode_key`, `success` (only at the end of an episode), `contact`, `num_losses`, `peak_force` (N),
     `load_reached`, and for each criterion of the task `<measure>_error` (rad, N or m; infinite without contact).
@@ -64,8 +65,9 @@ class TactileVectorEnv(EpisodicVectorEnv):
         render_mode: str | None = None,
         range: float | None = None,
         device: Device | str = "",
+        backend: str = "numpy",
     ) -> None:
-        super().__init__(num_envs, autoreset_mode, render_mode)
+        super().__init__(num_envs, autoreset_mode, render_mode, backend)
         if not (np.isfinite(max_lost_time) and max_lost_time >= 0):
             raise InputError(f"max_lost_time: {max_lost_time} is not allowed: a finite number of at least 0 (s)")
         self.scene = scene if isinstance(scene, Scene) else _core.load_scene(os.fspath(scene))

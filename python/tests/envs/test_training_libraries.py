@@ -21,6 +21,78 @@ def rsl_rl():
     return pytest.importorskip("rsl_rl")
 
 
+@pytest.fixture
+def torch():
+    return pytest.importorskip("torch")
+
+
+@pytest.mark.parametrize("autoreset_mode", ["SameStep", "NextStep", "Disabled"])
+@pytest.mark.parametrize("backend", ["torch", "jax", "warp"])
+def test_a_backend_has_the_numbers_of_numpy(make, backend, autoreset_mode):
+    module = pytest.importorskip(backend)
+    arguments = {"observations": ("contact", "tactile_image", "proprioception"), "history": 2, "autoreset_mode": autoreset_mode}
+    env, reference = make(3, backend=backend, **arguments), make(3, **arguments)
+    results, expected = [env.reset(seed=4)], [reference.reset(seed=4)]
+    for step in range(NUM_STEPS + 2):
+        if autoreset_mode == "Disabled" and step == NUM_STEPS:
+            for each, found in ((env, results), (reference, expected)):
+                found.append(each.reset(options={"reset_mask": np.ones(3, np.bool_)}))
+        results.append(env.step(actions_of(step, 3)))
+        expected.append(reference.step(actions_of(step, 3)))
+    kinds = {"torch": "Tensor", "jax": "ArrayImpl", "warp": "array"}
+    assert type(results[-1][0]["contact"]).__name__ == kinds[backend]
+    assert type(results[-1][1]).__module__.startswith((module.__name__, "jaxlib"))
+    check_equal(results, expected)
+
+
+def check_equal(found, expected):
+    """Trees of arrays of any library; JAX has 32 bits."""
+    if isinstance(expected, dict):
+        assert found.keys() == expected.keys()
+        for name, value in expected.items():
+            check_equal(found[name], value)
+    elif isinstance(expected, list | tuple) or (isinstance(expected, np.ndarray) and expected.dtype == object):
+        for one, other in zip(found, expected, strict=True):
+            check_equal(one, other)
+    elif expected is not None:
+        values = found.numpy() if hasattr(found, "numpy") else np.asarray(found)
+        np.testing.assert_array_equal(values, expected.astype(values.dtype))
+
+
+def test_torch_shares_memory_and_refuses_tensors_elsewhere(make, torch):
+    env = make(3, backend="torch", observations="tactile_image", copy=False)
+    observation, _ = env.reset(seed=1)
+    env.step(torch.from_numpy(actions_of(0, 3)).requires_grad_())
+    image = env._frame.tactile_image
+    assert observation.data_ptr() == image.ctypes.data
+    with pytest.raises(taxelsim.InputError, match=r"^actions: a tensor of torch.float32 on meta is not allowed"):
+        env.step(torch.zeros((3, 6), device="meta"))
+
+
+@pytest.mark.filterwarnings("ignore:To copy construct from a tensor")  # which its wrapper does
+def test_skrl_wraps_the_environment(make, torch):
+    wrappers = pytest.importorskip("skrl.envs.wrappers.torch")
+    env, reference = wrappers.wrap_env(make(3, backend="torch"), wrapper="gymnasium", verbose=False), make(3)
+    env._seed = 4
+    observation, _ = env.reset()
+    np.testing.assert_array_equal(observation.numpy(), reference.reset(seed=4)[0])
+    observation, reward, *_ = env.step(torch.from_numpy(actions_of(0, 3)))
+    expected = reference.step(actions_of(0, 3))
+    np.testing.assert_array_equal(observation.numpy(), expected[0])
+    np.testing.assert_array_equal(reward.numpy()[:, 0], expected[1].astype(np.float32))
+
+
+def test_torchrl_wraps_the_environment(make, scene, device, torch):
+    libs = pytest.importorskip("torchrl.envs.libs.gym")
+    from taxelsim.envs import TactileEnv
+
+    env, reference = libs.GymWrapper(TactileEnv(scene, device=device)), TactileEnv(scene, device=device)
+    env.set_seed(4)
+    rollout = env.rollout(2)
+    assert rollout["observation"].shape == (2, *reference.observation_space.shape)
+    assert torch.isfinite(rollout["next", "reward"]).all()
+
+
 def test_stable_baselines3_adapter_equals_the_environment(sb3, make):
     from taxelsim.envs.sb3 import StableBaselinesVecEnv
 

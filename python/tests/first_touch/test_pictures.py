@@ -119,15 +119,15 @@ def test_pictures_of_an_environment_are_bright_and_do_not_flicker(pressed_scene:
         np.testing.assert_array_equal(picture, tactile_pictures(sensor, shown[None], float(scale))[0])
     fixed = TactileEnv(pressed_scene, render_mode="rgb_array", range=2e5, device=device)
     fixed.reset(seed=0)
-    assert fixed.render().max() < 70  # the counts are a hundredth of this range
+    assert fixed.render()[..., 1].max() < 30  # green, which rises with the level: the counts are a hundredth of this range
 
 
 def test_noise_is_no_bright_picture() -> None:
     sensor = taxelsim.load_sensor(USKIN)
     noise = np.random.default_rng(0).normal(0, 3, (100, 16, 3)).round()
     pictures = tactile_pictures(sensor, noise)
-    assert pictures[..., 0].max() < 60  # neither yellow nor red
-    assert pictures.max() < 160
+    assert pictures[..., 0].max() < 80  # neither yellow nor red
+    assert pictures[..., 1].max() < 160  # green, which rises with the level
 
 
 def test_figures_of_matplotlib_have_the_colours_of_pictures(tmp_path: Path) -> None:

@@ -80,6 +80,7 @@ class DynamicVectorEnv(EpisodicVectorEnv):
     render_mode: None, or "rgb_array": render() returns a picture of every tactile image.
     range: counts of the brightest colour of these pictures; default: the largest so far, beyond noise.
     device: an open Device, or the argument of Device.open().
+    backend: library of the tensors that reset() and step() return, see EpisodicVectorEnv.
 
     Infos: `episode_key`, `success` (only at the end of an episode), `contact`, `peak_force` (N, largest true normal force of the episode),
     and the metrics of the task. Subclasses define the model, the draws of an episode and the metrics.
@@ -103,8 +104,9 @@ class DynamicVectorEnv(EpisodicVectorEnv):
         render_mode: str | None = None,
         range: float | None = None,
         device: Device | str = "",
+        backend: str = "numpy",
     ) -> None:
-        super().__init__(num_envs, autoreset_mode, render_mode)
+        super().__init__(num_envs, autoreset_mode, render_mode, backend)
         checked_names("condition", condition, CONDITIONS)
         if not isinstance(shear, bool):
             raise InputError(f"shear: {shear!r} is not allowed: True and False")
