@@ -100,7 +100,11 @@ def range_of(data: Dataset, column: str, range: float | None = None) -> float:
 
     As `taxelsim render` draws them. Raises InputError for a `range` that is not above 0.
     """
-    return _core.DatasetReader(data.folder, isolated=True).counts_range(column) if range is None else checked_positive("range", range)
+    return (
+        _core.DatasetReader(data.folder, isolated=True).counts_range(data[column].path)
+        if range is None
+        else checked_positive("range", range)
+    )
 
 
 def noise_of(scene: Scene) -> float:

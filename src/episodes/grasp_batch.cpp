@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <numeric>
 
 #include "base/philox.h"
 #include "episodes/draw.h"
@@ -56,13 +57,19 @@ GraspBatch::GraspBatch(const Device& device, const Scene& scene, const OutputOpt
 }
 
 void GraspBatch::begin(std::uint64_t first, int count) {
+  std::vector<std::uint64_t> episodes(static_cast<std::size_t>(count));
+  std::iota(episodes.begin(), episodes.end(), first);
+  begin(episodes);
+}
+
+void GraspBatch::begin(std::span<const std::uint64_t> episodes) {
   frame_ = -1;
   std::fill(touched_.begin(), touched_.end(), 0);
   std::fill(nearest_.begin(), nearest_.end(), std::numeric_limits<double>::infinity());
   if (servo_) servo_->begin();
   for (int i = 0; i < numInstances(); ++i) {
     const auto instance = static_cast<std::size_t>(i);
-    const std::uint64_t episode = first + static_cast<std::uint64_t>(std::min(i, count - 1));
+    const std::uint64_t episode = episodes[std::min(instance, episodes.size() - 1)];
     robots_.reset(i, episode);
     EpisodeRandom random(scene_.seed, episode);
     const double factor = random.uniform(1 - grasp_.force_spread, 1 + grasp_.force_spread);

@@ -28,7 +28,9 @@ class GraspBatch {
   int numInstances() const { return robots_.numInstances(); }
   const SensedRobots& robots() const { return robots_; }
 
-  // Starts the episodes first, ..., first + count - 1 on the first `count` instances. The others repeat the last one.
+  // Starts these episodes on the first instances, one or more. The other instances repeat the last one.
+  void begin(std::span<const std::uint64_t> episodes);
+  // The episodes first, ..., first + count - 1.
   void begin(std::uint64_t first, int count);
   // Computes the next frame; the first one has the initial posture.
   void step();

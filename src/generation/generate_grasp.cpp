@@ -19,7 +19,6 @@ void refuseOptions(const Scene& scene, const GenerateOptions& options) {
     if (given) throw Error(ErrorKind::kInput, scene.file.generic_string() + ": a scene of kind grasp takes no " + what);
   };
   refuse(options.policy.has_value(), "policy");
-  refuse(!options.episodes.empty(), "list of episodes");
 }
 
 class GraspRun {
@@ -28,11 +27,13 @@ class GraspRun {
       : manifest_(manifest),
         options_(options),
         recorder_(scene),
-        batch_(device, scene, outputsOf(scene),
-               static_cast<int>(std::min({static_cast<std::uint64_t>(options.batch_size), scene.num_episodes, scene.episodes_per_shard}))) {
+        batch_(
+            device, scene, outputsOf(scene),
+            static_cast<int>(std::min({static_cast<std::uint64_t>(options.batch_size), manifest.num_episodes, scene.episodes_per_shard}))) {
   }
 
-  // Episodes first, ..., first + count - 1 as a shard. Empty columns after a stop. Adds to the progress and the misses of `result`.
+  // `count` episodes of the data set from the `first` one on as a shard. Empty columns after a stop. Adds to the progress and the misses of
+  // `result`.
   ShardData simulate(std::uint64_t first, std::uint64_t count, int num_frames, GenerateResult& result);
 
  private:
@@ -64,8 +65,10 @@ ShardData GraspRun::simulate(std::uint64_t first, std::uint64_t count, int num_f
 
 void GraspRun::simulateBatch(std::uint64_t first, int count, std::uint64_t first_row, int num_frames, std::span<std::byte* const> columns,
                              GenerateResult& result) {
-  batch_.begin(first, count);
-  recorder_.recordEpisodes(batch_, first, count, columns, first_row);
+  std::vector<std::uint64_t> episodes(static_cast<std::size_t>(count));
+  for (std::size_t i = 0; i < episodes.size(); ++i) episodes[i] = manifest_.episodes.empty() ? first + i : manifest_.episodes[first + i];
+  batch_.begin(episodes);
+  recorder_.recordEpisodes(batch_, episodes, columns, first_row);
   std::vector<std::uint64_t> rows(static_cast<std::size_t>(count));
   for (int frame = 0; frame < num_frames && !isStopped(); ++frame) {
     batch_.step();

@@ -126,11 +126,11 @@ void GraspRecorder::recordFrames(const GraspBatch& batch, int count, std::span<s
   }
 }
 
-void GraspRecorder::recordEpisodes(const GraspBatch& batch, std::uint64_t first, int count, std::span<std::byte* const> columns,
+void GraspRecorder::recordEpisodes(const GraspBatch& batch, std::span<const std::uint64_t> episodes, std::span<std::byte* const> columns,
                                    std::uint64_t first_row) const {
   const std::size_t num_fingers = scene_.grasp->fingers.size();
-  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
-    writeAt(columns[columns.size() - 2], first_row + i, first + i);
+  for (std::size_t i = 0; i < episodes.size(); ++i) {
+    writeAt(columns[columns.size() - 2], first_row + i, episodes[i]);
     for (std::size_t f = 0; f < num_fingers; ++f) {
       writeAt(columns.back(), (first_row + i) * num_fingers + f, batch.targetForces()[i * num_fingers + f]);
     }

@@ -25,8 +25,8 @@ class GraspRecorder {
 
   // The first `count` instances. columns (graspColumns().size()): first byte of each. rows (count): frame row of each instance.
   void recordFrames(const GraspBatch& batch, int count, std::span<std::byte* const> columns, std::span<const std::uint64_t> rows) const;
-  // first_row: episode row of the first of the `count` instances; first: its episode.
-  void recordEpisodes(const GraspBatch& batch, std::uint64_t first, int count, std::span<std::byte* const> columns,
+  // first_row: episode row of the first of `episodes`, which the first instances have.
+  void recordEpisodes(const GraspBatch& batch, std::span<const std::uint64_t> episodes, std::span<std::byte* const> columns,
                       std::uint64_t first_row) const;
 
  private:

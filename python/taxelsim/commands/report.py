@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from .._files import require_folder, write_whole
-from ..dataset import Dataset
+from ..dataset.dataset import dataset_of_one_sensor
 from ..errors import InputError
 from ..report import MAX_FRAMES, card_of, page_of, summarize
 from ..report.card import checked_license
@@ -27,6 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="ID",
         help="of the card, as the Hub names licences: cc-by-4.0, apache-2.0, ...; default unknown",
     )
+    add("--sensor", metavar="NAME", help="of a data set of several sensors; default: the first")
     add("--max-frames", type=int, default=MAX_FRAMES, metavar="N", help=f"samples a larger data set; default {MAX_FRAMES:,}")
     add("--range", type=float, metavar="COUNTS", help="brightest colour of the examples; default: the 99.9th percentile of the data set")
     add("--assets", type=Path, action="append", default=[], metavar="DIR", help="folder with a URDF or taxel mesh of the scene; repeatable")
@@ -47,7 +48,7 @@ def _run(options: argparse.Namespace) -> None:
     page = options.output or (None if options.card else Path("report.html"))
     for file in filter(None, (page, options.card)):
         require_folder(file)
-    summary = summarize(Dataset(options.folder, isolated=True), options.max_frames, options.assets, options.range)
+    summary = summarize(dataset_of_one_sensor(options.folder, options.sensor), options.max_frames, options.assets, options.range)
     texts = [(page, page_of(summary))] if page else []
     texts += [(options.card, card_of(summary, options.license))] if options.card else []
     for file, text in texts:

@@ -30,6 +30,7 @@ class Column:
         self._info = info
         self._take = take
         self.name = info.name
+        self.path = info.path  #: Name in the files, which has the sensor of Dataset(sensor=...).
         self.shape = (num_rows, *info.shape)  #: (num_frames, ...), or (num_episodes, ...) of a column in meta/.
         self.dtype = info.dtype  #: Type in the file; texts are read as str.
         self.unit = info.unit

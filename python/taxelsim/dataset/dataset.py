@@ -18,7 +18,7 @@ from ..errors import InputError
 from .checksums import Stamp, remember, verified_files
 from .column import Column, texts_of
 from .isolated import IsolatedShards
-from .layout import ENDS, ColumnInfo, by_shard, hdf5, layout_of
+from .layout import ENDS, ColumnInfo, by_shard, hdf5, layout_of, of_sensor, sensors_of
 from .rows import Rows, checked_index, checked_rows
 from .shards import Shards
 from .windows import Windows, windows_class
@@ -37,6 +37,8 @@ class Dataset:
     folder: the directory. Missing shards and a damaged dataset.h5 raise InputError.
     cache_bytes: limit of the inflated chunks of compressed columns that stay in memory, per process.
 
+    sensor: of a data set of several sensors, as of kind grasp: shows its columns data/SENSOR/NAME as data/NAME, and hides those of the
+        others, so that what works on one sensor works on this one.
     isolated: for data sets from strangers, of format 1 above all: HDF5 reads in child processes with limits of memory and time, so that
         a file that crashes or hangs it raises InputError. Slower, as each read starts a process; needs no h5py.
 
@@ -46,8 +48,12 @@ class Dataset:
     does a copy that was pickled; neither verifies again what was verified before.
     """
 
-    def __init__(self, folder: str | PathLike[str], *, cache_bytes: int = CACHE_BYTES, isolated: bool = False) -> None:
+    def __init__(
+        self, folder: str | PathLike[str], *, cache_bytes: int = CACHE_BYTES, isolated: bool = False, sensor: str | None = None
+    ) -> None:
         self.folder = Path(folder).absolute()
+        self.sensor = sensor
+        """Name of the sensor whose columns are shown, or None."""
         self._cache_bytes = checked_count("cache_bytes", cache_bytes)
         self._isolated = isolated
         self._shards: Shards | IsolatedShards
@@ -55,6 +61,10 @@ class Dataset:
             hdf5()  # first, so that an error about a file is never one about the package
         reader = _core.DatasetReader(self.folder, isolated)
         self._layout = layout_of(self.folder, reader)
+        self.sensors = sensors_of(self._layout.columns)
+        """Names of the sensors whose columns are groups, data/NAME/..., in the order of the robot; else empty."""
+        if sensor is not None:
+            self._layout = of_sensor(self._layout, sensor)
         if isolated:
             self._shards = IsolatedShards(reader)
             return
@@ -62,7 +72,7 @@ class Dataset:
         self._shards = Shards(self._layout, reader, self._cache_bytes)
 
     def __reduce__(self) -> Any:
-        state = self.folder, self._cache_bytes, verified_files(self.folder), self._identity(), self._isolated
+        state = self.folder, self._cache_bytes, verified_files(self.folder), self._identity(), self._isolated, self.sensor
         return _reopen, state
 
     def _identity(self) -> tuple[Any, ...]:
@@ -183,6 +193,12 @@ class Dataset:
         return {info.name: values[info.name][0] if info.is_per_episode else values[info.name] for info in infos}
 
 
+def dataset_of_one_sensor(folder: str | PathLike[str], sensor: str | None = None) -> Dataset:
+    """A data set, from a stranger, as one sensor shows it: that of this name, or the first of several. Raises InputError."""
+    data = Dataset(folder, isolated=True, sensor=sensor)
+    return data if sensor or not data.sensors else Dataset(folder, isolated=True, sensor=data.sensors[0])
+
+
 def _suggestion(name: str, names: Sequence[str]) -> str:
     tail = name.rsplit("/", 1)[-1]
     near = [other for other in names if other.rsplit("/", 1)[-1] == tail] or difflib.get_close_matches(name, names, n=1)
@@ -195,10 +211,12 @@ def _suggestion(name: str, names: Sequence[str]) -> str:
     return f"; did you mean {' or '.join(map(repr, near[:3]))}?" if near else f"; the columns are {', '.join(names)}"
 
 
-def _reopen(folder: Path, cache_bytes: int, verified: dict[str, Stamp], identity: tuple[Any, ...], isolated: bool) -> Dataset:
+def _reopen(
+    folder: Path, cache_bytes: int, verified: dict[str, Stamp], identity: tuple[Any, ...], isolated: bool, sensor: str | None
+) -> Dataset:
     """Unpickles a data set."""
     remember(verified)
-    data = Dataset(folder, cache_bytes=cache_bytes, isolated=isolated)
+    data = Dataset(folder, cache_bytes=cache_bytes, isolated=isolated, sensor=sensor)
     if data._identity() != identity:
         raise InputError(f"{folder}: the data set is another one than when this object was pickled")
     return data

@@ -27,6 +27,6 @@ class IsolatedShards:
 
     def _column(self, column: ColumnInfo, runs: list[Rows]) -> NDArray[Any]:
         with self._lock:
-            parts = [self._reader.read(column.name, int(run[0]), len(run)) for run in runs]
+            parts = [self._reader.read(column.path, int(run[0]), len(run)) for run in runs]
         values = np.concatenate(parts) if parts else np.empty(0, np.uint8)
         return values.view(column.dtype).reshape(-1, *column.shape)

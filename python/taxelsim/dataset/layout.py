@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Container
+from collections.abc import Container, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from .. import _core
+from ..errors import InputError
 from .rows import Rows
 
 MANIFEST = "dataset.yaml"
@@ -29,6 +30,7 @@ class ColumnInfo:
     description: str
     value_names: tuple[str, ...]
     bit_names: tuple[str, ...]
+    path: str  #: In the files; differs from the name in the columns of one sensor.
 
     @property
     def is_per_episode(self) -> bool:
@@ -50,9 +52,9 @@ class Layout:
         return self.folder / f"shard-{shard:06d}.h5"
 
 
-def label_of(columns: Container[str]) -> str:
-    """The column that names what touches in each episode: the object, or the file of recorded contact points."""
-    return "meta/contact_points" if "meta/contact_points" in columns else "meta/object_name"
+def label_of(columns: Container[str]) -> str | None:
+    """The column that names what touches in each episode: the object, or the file of recorded contact points; None if all are the same."""
+    return next((name for name in ("meta/contact_points", "meta/object_name") if name in columns), None)
 
 
 def hdf5() -> Any:
@@ -75,7 +77,7 @@ def layout_of(folder: Path, reader: _core.DatasetReader) -> Layout:
     ends = reader.episode_ends.astype(np.int64)
     text = "Number of frames up to the end of each episode, counted from the first frame of all."
     columns = {
-        ENDS: ColumnInfo(ENDS, np.dtype(np.uint64), (), "1", text, (), ()),
+        ENDS: ColumnInfo(ENDS, np.dtype(np.uint64), (), "1", text, (), (), ENDS),
         **{column.name: _info_of(column) for column in reader.columns},
     }
     attributes = {
@@ -93,7 +95,30 @@ def layout_of(folder: Path, reader: _core.DatasetReader) -> Layout:
 def _info_of(column: _core.DatasetColumn) -> ColumnInfo:
     dtype = np.dtype(f"S{column.text_length}" if column.type == "text" else column.type)
     names = tuple(column.value_names), tuple(column.bit_names)
-    return ColumnInfo(column.name, dtype, tuple(column.shape), column.unit, column.description, *names)
+    return ColumnInfo(column.name, dtype, tuple(column.shape), column.unit, column.description, *names, column.name)
+
+
+def sensors_of(columns: Iterable[str]) -> tuple[str, ...]:
+    """Names of the sensors whose columns are groups, data/NAME/..., as in data sets of kind grasp; else none."""
+    parts = [name.split("/") for name in columns]
+    marks = ("sensor_pose", "tactile_image")  # which other groups of columns lack
+    return tuple(dict.fromkeys(part[1] for part in parts if len(part) == 3 and part[0] == "data" and part[2] in marks))
+
+
+def of_sensor(layout: Layout, sensor: str) -> Layout:
+    """The layout with the columns data/SENSOR/NAME as data/NAME, without those of other sensors. Raises InputError for another name."""
+    sensors = sensors_of(layout.columns)
+    if sensor not in sensors:
+        known = f"its sensors are {', '.join(sensors)}" if sensors else "its columns are not grouped by sensor"
+        raise InputError(f"{layout.folder}: sensor {sensor!r}: {known}")
+    columns = {}
+    for name, info in layout.columns.items():
+        group, _, rest = name.removeprefix("data/").partition("/")
+        if not (name.startswith("data/") and group in sensors):
+            columns[name] = info
+        elif group == sensor:
+            columns[f"data/{rest}"] = replace(info, name=f"data/{rest}")
+    return replace(layout, columns=columns)
 
 
 def by_shard(layout: Layout, reader: _core.DatasetReader) -> Layout:

@@ -69,9 +69,9 @@ class Shard:
 
     def take(self, column: ColumnInfo, rows: Rows) -> NDArray[Any]:
         """Rows of a column, counted from the first one of the shard. A copy."""
-        source = self._columns.get(column.name)
+        source = self._columns.get(column.path)
         if source is None:
-            source = self._columns[column.name] = self._open(column.name)
+            source = self._columns[column.path] = self._open(column.path)
         if isinstance(source, np.ndarray):
             taken: NDArray[Any] = source[rows]
             return taken
@@ -79,7 +79,7 @@ class Shard:
         result = np.empty((len(rows), *column.shape), column.dtype)
         numbers = rows // chunk_rows
         for number, places in groups(numbers):
-            result[places] = self._chunk(source, column.name, number)[rows[places] - number * chunk_rows]
+            result[places] = self._chunk(source, column.path, number)[rows[places] - number * chunk_rows]
         return result
 
     def _open(self, name: str) -> Any:

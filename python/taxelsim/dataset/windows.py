@@ -69,7 +69,7 @@ class Windows:
 def _tables_of(dataset: Dataset, columns: list[str]) -> dict[str, NDArray[np.float32]]:
     """Newtons of each count of the tactile images in `columns`, data/tactile_image or data/SENSOR/tactile_image."""
     sensors = Provenance.of(dataset.folder).sensors()
-    names = {column: column.removeprefix("data/").removesuffix("tactile_image").rstrip("/") for column in columns}
+    names = {column: dataset[column].path.removeprefix("data/").removesuffix("tactile_image").rstrip("/") for column in columns}
     return {column: newtons_of_counts(sensors[name].readout) for column, name in names.items()}
 
 

@@ -15,8 +15,8 @@ from ..dataset.provenance import Provenance
 from ..errors import InputError
 from ..pictures import TACTILE_IMAGE, TactilePictures, colours_of, noise_of, range_of, shown_column
 from ..video import mp4_encoder
-from ..viewer.scene_files import scene_of
-from .features import image_shape
+from ..viewer.scene_files import scene_of, sensor_of
+from .features import image_shape, shown_sensors
 from .source import Block, Source
 from .staging import new_file
 from .statistics import QUANTILES, Statistics
@@ -35,15 +35,16 @@ class ArrayVideo:
         """Throws InputError if the scene has a file for its array that no folder of the option `assets` has."""
         folder = source.data.folder
         scene, _ = scene_of(Provenance.of(folder).scene, [Path(name) for name in source.options.assets], folder)
+        if shown_sensors(source.data) != ("",):
+            raise InputError(f"{folder}: video: choose a sensor: {', '.join(source.data.sensors)}")
+        sensor = sensor_of(scene, source.data.sensor)
         num_sensors, *taxels = image_shape(source.data)
-        if math.prod(taxels) != scene.sensor.num_taxels:
-            raise InputError(
-                f"{folder}: video: {TACTILE_IMAGE} has {math.prod(taxels)} taxels of a sensor, its scene {scene.sensor.num_taxels}"
-            )
+        if math.prod(taxels) != sensor.num_taxels:
+            raise InputError(f"{folder}: video: {TACTILE_IMAGE} has {math.prod(taxels)} taxels of a sensor, its scene {sensor.num_taxels}")
         self.keys = [KEY] if num_sensors == 1 else [f"{KEY}_{sensor}" for sensor in range(num_sensors)]
         self._rate = rate
         self._column = shown_column(source.data)
-        self._pictures = TactilePictures(scene.sensor, range_of(source.data, self._column, source.options.range), noise_of(scene))
+        self._pictures = TactilePictures(sensor, range_of(source.data, self._column, source.options.range), noise_of(scene))
         self._colours = colours_of(np.linspace(0, 1, NUM_LEVELS))
 
     def feature(self) -> dict[str, Any]:

@@ -21,6 +21,7 @@ TWIST = ("v_x", "v_y", "v_z", "w_x", "w_y", "w_z")
 WRENCH = ("f_x", "f_y", "f_z", "t_x", "t_y", "t_z")
 _COMPONENTS = {
     "data/pose": POSE,
+    "data/object_pose": POSE,
     "data/sensor_pose": POSE,
     ACTION: TWIST,
     "data/controller_action": TWIST,
@@ -51,22 +52,33 @@ def num_sensors(data: Dataset) -> int:
     return 1
 
 
-def image_shape(data: Dataset) -> tuple[int, ...]:
+def image_shape(data: Dataset, column: str = TACTILE_IMAGE) -> tuple[int, ...]:
     """(num_sensors, num_rows, num_cols) of one grid, or (num_sensors, num_taxels)."""
-    shape, sensors = data[TACTILE_IMAGE].shape[1:], num_sensors(data)
+    shape, sensors = data[column].shape[1:], num_sensors(data)
     return shape if sensors > 1 else (1, *shape)
 
 
-def tactile_of(data: Dataset) -> Feature:
+def shown_sensors(data: Dataset) -> tuple[str, ...]:
+    """Names of the sensors with columns of their own; one, "", where the columns are those of one sensor or have an axis of sensors."""
+    return data.sensors if data.sensor is None and data.sensors else ("",)
+
+
+def column_of(sensor: str, column: str) -> str:
+    """data/NAME of a sensor of shown_sensors()."""
+    return f"data/{sensor}/{column.removeprefix('data/')}" if sensor else column
+
+
+def tactile_of(data: Dataset, sensor: str = "") -> Feature:
     """The tactile image: r0_c0, r0_c1, ... of a grid, t0, t1, ... of taxels without one; with several sensors after s0_, s1_, ..."""
-    if TACTILE_IMAGE not in data:
-        raise InputError(f"{data.folder}: no column {TACTILE_IMAGE}: record tactile_image in the scene")
-    sensors, *taxels = image_shape(data)
+    column = column_of(sensor, TACTILE_IMAGE)
+    if column not in data:
+        raise InputError(f"{data.folder}: no column {column}: record tactile_image in the scene")
+    sensors, *taxels = image_shape(data, column)
     axes = [range(count) for count in taxels]
     patterns = ("r{}_c{}" if len(taxels) == 2 else "t{}").format
     names = [patterns(*index) for index in itertools.product(*axes)]
     prefixes = [f"s{sensor}_" for sensor in range(sensors)] if sensors > 1 else [""]
-    return Feature((TACTILE_IMAGE,), tuple(prefix + name for prefix in prefixes for name in names))
+    return Feature((column,), tuple(prefix + name for prefix in prefixes for name in names))
 
 
 def feature_of(data: Dataset, columns: tuple[str, ...]) -> Feature:
@@ -78,7 +90,7 @@ def feature_of(data: Dataset, columns: tuple[str, ...]) -> Feature:
         column = data[name]
         if not name.startswith("data/"):
             raise InputError(f"{data.folder}: {name!r} is not allowed: a column in data/")
-        prefix = f"{short_name(name)}." if len(columns) > 1 or name not in _COMPONENTS else ""
+        prefix = f"{short_name(name)}." if len(columns) > 1 or _component_names(name) is None else ""
         names += [prefix.rstrip(".") if part == "" else prefix + part for part in _components(column)]
     return Feature(columns, tuple(names))
 
@@ -89,8 +101,11 @@ def state_of(data: Dataset, columns: tuple[str, ...], *, with_tactile: bool) -> 
     state = feature_of(data, chosen) if chosen else None
     if not with_tactile:
         return state
-    tactile = tactile_of(data)
-    return Feature((*(state.columns if state else ()), TACTILE_IMAGE), (*(state.names if state else ()), *tactile.names))
+    parts = [state] if state else []
+    for sensor in shown_sensors(data):
+        tactile = tactile_of(data, sensor)
+        parts.append(Feature(tactile.columns, tuple(f"{sensor}.{name}" if sensor else name for name in tactile.names)))
+    return Feature(tuple(name for part in parts for name in part.columns), tuple(name for part in parts for name in part.names))
 
 
 def short_name(column: str) -> str:
@@ -98,9 +113,15 @@ def short_name(column: str) -> str:
     return column.removeprefix("data/").replace("/", ".")
 
 
+def _component_names(column: str) -> tuple[str, ...] | None:
+    """Of a column, also of one sensor: data/thumb/sensor_pose as data/sensor_pose."""
+    ends = (names for name, names in _COMPONENTS.items() if column == name or column.endswith(name.removeprefix("data")))
+    return next(ends, None)
+
+
 def _components(column: Column) -> list[str]:
     shape = column.shape[1:]
-    last = _COMPONENTS.get(column.name)
+    last = _component_names(column.name)
     axes = [[str(index) for index in range(count)] for count in shape]
     if last and shape and shape[-1] == len(last):
         axes[-1] = list(last)

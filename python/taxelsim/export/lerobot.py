@@ -110,9 +110,9 @@ class _Tables:
         self.rate = source.frame_rate()
         named = {"observation.state": source.state, "action": source.action}
         named |= {f"observation.{short_name(name)}": feature for name, feature in source.columns.items()}
-        named = {_checked_key(source.options.tactile_key, named): source.tactile, **named}
+        named = {**source.named_tactile(_checked_key(source.options.tactile_key, named), "."), **named}
         self.vectors: dict[str, Feature] = {name: feature for name, feature in named.items() if feature is not None}
-        self.columns = source.frame_columns() + (source.label,) + ((SUCCESS,) if source.has_success else ())
+        self.columns = (*source.frame_columns(), "meta/episode", *source.episode_columns)
         self.flags = {"next.done": "bool"} | ({"next.reward": "float32", "next.success": "bool"} if source.has_success else {})
         self.tasks = sorted(self._tasks())
         self._task_indices = {task: index for index, task in enumerate(self.tasks)}
@@ -127,8 +127,8 @@ class _Tables:
         return self.source.options.task.replace("{scene}", self.source.scene_name).replace("{object}", name)
 
     def _tasks(self) -> set[str]:
-        label = self.source.label
-        return {self._task(name) for names in self.source.per_episode([label]) for name in np.unique(names[label])}
+        columns = ("meta/episode", *self.source.episode_columns)
+        return {self._task(name) for values in self.source.per_episode(columns) for name in set(self.source.labels(values))}
 
     def _features(self) -> dict[str, dict[str, Any]]:
         features = {name: {"dtype": "float32", "shape": [len(f.names)], "names": list(f.names)} for name, f in self.vectors.items()}
@@ -140,7 +140,7 @@ class _Tables:
         first, lengths = block.first_frame, block.lengths
         frame = np.arange(block.num_frames) - np.repeat(block.ends - lengths, lengths)
         episode = np.repeat(np.arange(block.num_episodes), lengths)
-        tasks = np.array([self._task_indices[self._task(name)] for name in block.values[self.source.label]])
+        tasks = np.array([self._task_indices[self._task(name)] for name in self.source.labels(block.values)])
         is_last = np.zeros(block.num_frames, np.bool_)
         is_last[block.ends - 1] = True
         arrays: dict[str, NDArray[Any]] = {name: feature.vectors(block.values) for name, feature in self.vectors.items()}
@@ -166,7 +166,7 @@ class _Tables:
         count, ends = block.num_episodes, block.ends + block.first_frame
         columns: dict[str, Any] = {
             "episode_index": np.arange(block.first_episode, block.first_episode + count),
-            "tasks": [[self._task(name)] for name in block.values[self.source.label]],
+            "tasks": [[self._task(name)] for name in self.source.labels(block.values)],
             "length": block.lengths,
             "dataset_from_index": ends - block.lengths,
             "dataset_to_index": ends,

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from zarr.codecs import BloscCodec, BloscShuffle
 
 from .. import __version__
-from ..pictures import TACTILE_IMAGE
 from .features import SUCCESS, Feature, short_name
 from .source import Source
 from .staging import new_file, staged_folder, sync
@@ -48,8 +47,10 @@ class _Store:
         named = {"state": source.state, "action": source.action}
         named |= {short_name(name).replace(".", "_"): feature for name, feature in source.columns.items()}
         self._vectors: dict[str, Feature] = {name: feature for name, feature in named.items() if feature is not None}
-        time, image = source.data["data/time"], source.data[TACTILE_IMAGE]
-        rows = {"tactile": (image.dtype, image.shape[1:]), "timestamp": (time.dtype, time.shape[1:])}
+        time = source.data["data/time"]
+        self._tactile = source.named_tactile("tactile", "_")
+        images = {name: source.data[feature.columns[0]] for name, feature in self._tactile.items()}
+        rows = {**{name: (image.dtype, image.shape[1:]) for name, image in images.items()}, "timestamp": (time.dtype, time.shape[1:])}
         rows |= {name: (np.dtype(np.float32), (len(feature.names),)) for name, feature in self._vectors.items()}
         longest = max(dtype.itemsize * int(np.prod(shape)) for dtype, shape in rows.values())
         self._chunk = max(1, CHUNK_BYTES // longest)
@@ -68,14 +69,13 @@ class _Store:
         array = data.create_array(
             name, shape=(self._source.num_frames, *shape), chunks=(self._chunk, *shape), dtype=dtype, overwrite=True, **storage
         )
-        array.attrs["names"] = (
-            list({**self._vectors, "tactile": self._source.tactile}[name].names) if name != "timestamp" else ["timestamp"]
-        )
+        array.attrs["names"] = list({**self._vectors, **self._tactile}[name].names) if name != "timestamp" else ["timestamp"]
 
     def write(self, first: int, end: int) -> None:
         """The frames [first, end), flushed. first: a multiple of `piece`."""
         columns = self._source.frames(first, end, self._source.frame_columns())
-        values: dict[str, NDArray[Any]] = {"tactile": columns[TACTILE_IMAGE], "timestamp": columns["data/time"]}
+        values: dict[str, NDArray[Any]] = {name: columns[feature.columns[0]] for name, feature in self._tactile.items()}
+        values["timestamp"] = columns["data/time"]
         values |= {name: feature.vectors(columns) for name, feature in self._vectors.items()}
         for name, array in values.items():
             files = self._files(name, array.ndim, first, end)

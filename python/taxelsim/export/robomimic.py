@@ -31,7 +31,7 @@ def write(source: Source, out: Path, plan: dict[str, Any], report: Callable[[int
     """
     if source.action is None:
         raise InputError(f"{source.data.folder}: no column data/action, which robomimic needs: record actions in the scene")
-    named = {"tactile": source.tactile, "state": source.state}
+    named = {**source.named_tactile("tactile", "_"), "state": source.state}
     named |= {short_name(name).replace(".", "_"): feature for name, feature in source.columns.items()}
     observations = {name: feature for name, feature in named.items() if feature is not None}
     bytes_per_frame = 16 + 4 * sum(len(feature.names) for feature in (*observations.values(), source.action))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .. import __version__
 from ..pictures import TACTILE_IMAGE, TAXEL_COUNTS
-from .features import ACTION, SUCCESS, num_sensors
+from .features import ACTION, column_of, num_sensors, shown_sensors
 from .messages import definition_of
 from .source import Block, Source
 from .staging import new_file, staged_folder, write_json
@@ -26,13 +26,14 @@ _ENCODINGS = {("uint16", 1): "mono16", ("int32", 1): "32SC1", ("int32", 3): "32S
 
 @dataclass(frozen=True)
 class _Topic:
-    """A column as messages. Several sensors have a topic each."""
+    """A column as messages. Several sensors have a topic each, of a group of columns or of an axis of sensors."""
 
     name: str
     column: str
     schema: str
     frame: str  #: Of the header: S is called sensor, W world.
     content: Callable[[NDArray[Any]], dict[str, Any]]
+    sensor: str = ""  #: Of a group of columns.
 
 
 def _vector(values: NDArray[Any]) -> dict[str, float]:
@@ -76,13 +77,17 @@ _TOPICS = (
 
 def write(source: Source, out: Path, plan: dict[str, Any], report: Callable[[int], None]) -> None:
     """Writes the folder `out`. report: called with the number of frames since the last call. Throws InputError."""
-    topics = [topic for topic in _TOPICS if topic.column in source.data]
-    labels = (source.label, *((SUCCESS,) if source.has_success else ()))
+    topics = [
+        replace(topic, column=column, sensor=sensor)
+        for topic in _TOPICS
+        for sensor in shown_sensors(source.data)
+        if (column := column_of(sensor, topic.column)) in source.data
+    ]
     with staged_folder(out, plan) as folder:
         done = next(number for number in range(source.num_episodes + 1) if not (folder / _name(number)).exists())
         report(int(source.ends[done - 1]) if done else 0)
         for first, end in source.parts(BLOCK_FRAMES, done):
-            block = source.block(first, end, ("data/time", *(topic.column for topic in topics), *labels))
+            block = source.block(first, end, ("data/time", *(topic.column for topic in topics), *source.episode_columns))
             for episode in range(block.num_episodes):
                 with new_file(folder / _name(block.first_episode + episode)) as file:
                     _write_episode(file, source, block, episode, topics)
@@ -117,5 +122,6 @@ def _channels(source: Source, writer: Any, topics: list[_Topic]) -> Iterator[tup
     for topic in topics:
         for sensor in [None] if sensors == 1 or topic.column == ACTION else range(sensors):
             prefix = "" if sensor is None else f"_{sensor}"
-            frame = "world" if topic.frame == "world" else f"sensor{prefix}"
-            yield topic, f"/tactile{prefix}/{topic.name}", frame, schemas[topic.schema], sensor
+            frame = "world" if topic.frame == "world" else topic.sensor or f"sensor{prefix}"
+            group = f"/tactile/{topic.sensor}" if topic.sensor else f"/tactile{prefix}"
+            yield topic, f"{group}/{topic.name}", frame, schemas[topic.schema], sensor

@@ -84,7 +84,7 @@ def _checked(format_name: str, options: Options) -> Format:
         raise InputError(f"format: {format_name!r} is not allowed: {', '.join(FORMATS)}")
     chosen = FORMATS[format_name]
     for field in dataclasses.fields(Options):
-        if field.name not in ("episodes", *chosen.options) and getattr(options, field.name) != field.default:
+        if field.name not in ("episodes", "sensor", *chosen.options) and getattr(options, field.name) != field.default:
             raise InputError(f"{field.name}: not an option of format {format_name}")
     if options.range is not None:
         checked_positive("range", options.range)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from ..dataset import Dataset
 from ..dataset.layout import MANIFEST, label_of
 from ..errors import InputError
-from ..pictures import TACTILE_IMAGE, TAXEL_COUNTS
-from .features import ACTION, SUCCESS, feature_of, state_of, tactile_of
+from ..pictures import TAXEL_COUNTS
+from .features import ACTION, SUCCESS, Feature, column_of, feature_of, shown_sensors, state_of, tactile_of
 from .options import Options
 
 CACHE_BYTES = 64 << 20  # inflated chunks: an export reads each once
@@ -51,7 +51,7 @@ class Source:
     """The episodes of a data set that are exported, and the columns by their role."""
 
     def __init__(self, folder: str | os.PathLike[str], options: Options) -> None:
-        self.data = Dataset(folder, cache_bytes=CACHE_BYTES)
+        self.data = Dataset(folder, cache_bytes=CACHE_BYTES, sensor=options.sensor)
         self.options = options
         first, last = options.episodes or (0, self.data.num_episodes - 1)
         if not 0 <= first <= last < self.data.num_episodes:
@@ -60,16 +60,20 @@ class Source:
         self._first_episode = first
         self._first_frame = int(ends[first - 1]) if first else 0
         self.ends = ends[first : last + 1] - self._first_frame  #: (num_episodes), frames of the export up to the end of each episode.
-        self.tactile = tactile_of(self.data)
+        self.tactile = {sensor: tactile_of(self.data, sensor) for sensor in shown_sensors(self.data)}  #: By name of the sensor, or "".
         self.state = state_of(self.data, options.state, with_tactile=options.tactile_in_state)
         self.action = feature_of(self.data, (ACTION,)) if ACTION in self.data else None
-        again = [name for name in options.columns if name in ("data/time", TACTILE_IMAGE, ACTION)]
+        common = {"data/time", ACTION, *(feature.columns[0] for feature in self.tactile.values())}
+        again = [name for name in options.columns if name in common]
         if again:
             raise InputError(f"columns: {again[0]} is not allowed: every export has it")
-        columns = (*((TAXEL_COUNTS,) if TAXEL_COUNTS in self.data else ()), *options.columns)
+        counts = (column_of(sensor, TAXEL_COUNTS) for sensor in self.tactile)
+        columns = (*filter(self.data.__contains__, counts), *options.columns)
         self.columns = {name: feature_of(self.data, (name,)) for name in columns}
         self.has_success = SUCCESS in self.data
-        self.label = label_of(self.data)  #: Column that names what touches in each episode.
+        self._label = label_of(self.data)
+        self.episode_columns = tuple(name for name in (self._label, SUCCESS) if name and name in self.data)
+        """Columns in meta/ that name what touches, and say whether the task was met, where recorded."""
 
     @property
     def num_episodes(self) -> int:
@@ -81,8 +85,19 @@ class Source:
 
     def frame_columns(self) -> tuple[str, ...]:
         """Names of the columns in data/ that the features read, and the time."""
-        features = [self.tactile, *filter(None, (self.state, self.action)), *self.columns.values()]
+        features = [*self.tactile.values(), *filter(None, (self.state, self.action)), *self.columns.values()]
         return tuple(dict.fromkeys(("data/time", *(name for feature in features for name in feature.columns))))
+
+    def labels(self, values: Mapping[str, NDArray[Any]]) -> list[str]:
+        """What touches in each of the episodes whose columns in meta/ these are; the objects of the scene where it is always the same."""
+        if self._label is not None:
+            return [str(name) for name in values[self._label]]
+        objects = re.findall(r"^    - name: (.*)$", self._manifest(r"^  objects:\n((?:    .*\n)+)"), re.MULTILINE)
+        return [" and ".join(name.strip('"') for name in objects)] * len(values["meta/episode"])
+
+    def named_tactile(self, name: str, joint: str) -> dict[str, Feature]:
+        """The tactile images under `name`, followed by `joint` and the name of the sensor where each has columns of its own."""
+        return {f"{name}{joint}{sensor}" if sensor else name: feature for sensor, feature in self.tactile.items()}
 
     def identity(self) -> dict[str, Any]:
         """What the data set is: another one has another scene, seed, number of episodes, program or device."""

@@ -21,7 +21,8 @@ def examples_of(sample: Sample, summary: Summary) -> list[Example]:
     forces = np.concatenate([block.reshape(len(block), -1).sum(1) for block in sample.frames(force_name)])
     frames = np.concatenate([np.arange(first, end) for first, end in sample.blocks])
     episodes = np.searchsorted(sample.data.episode_ends, frames, "right")
-    names = sample.column(label_of(sample.data))[np.searchsorted(sample.episodes, episodes)]
+    label = label_of(sample.data)
+    names = sample.column(label)[np.searchsorted(sample.episodes, episodes)] if label else np.full(len(frames), summary.scene.name)
     shown = shown_column(sample.data)
     axes = () if shown == TACTILE_IMAGE else (3,)
     examples = []
@@ -32,6 +33,6 @@ def examples_of(sample: Sample, summary: Summary) -> list[Example]:
         order = chosen[np.argsort(forces[chosen], kind="stable")]
         for level in EXAMPLE_LEVELS:
             k = order[round(level / 100 * (len(order) - 1))]
-            image = sample.data[shown][int(frames[k])].reshape(-1, summary.scene.sensor.num_taxels, *axes)
+            image = sample.data[shown][int(frames[k])].reshape(-1, summary.sensor.num_taxels, *axes)
             examples.append(Example(f"{name}, {level} % of forces below", float(forces[k]), sample.data[force_name].unit, image[0]))
     return examples

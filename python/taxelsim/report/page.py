@@ -96,7 +96,7 @@ def _objects(summary: Summary) -> str:
 
 
 def _images(summary: Summary) -> str:
-    sensor, figures = summary.scene.sensor, []
+    sensor, figures = summary.sensor, []
     readout, has_axes = sensor.readout, any(example.image.ndim == 2 for example in summary.examples)
     saturation = float(readout.three_axis.saturation if has_axes and readout.three_axis else readout.saturation)
     pictures = TactilePictures(sensor, summary.range, noise_of(summary.scene))
@@ -121,7 +121,7 @@ def provenance_rows(summary: Summary) -> list[tuple[str, str]]:
         ("scene", summary.scene.name),
         ("SHA-256 of the scene", source.scene_sha256),
         ("seed", str(source.seed)),
-        ("sensor", f"{summary.scene.sensor.name}, {summary.scene.sensor.num_taxels} taxels"),
+        ("sensor", f"{summary.sensor_name}, {summary.sensor.num_taxels} taxels"),
         ("program", f"taxelsim {source.program_version}"),
         ("device", source.device),
         ("policy", source.policy or "controllers of the scene"),

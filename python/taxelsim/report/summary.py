@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core import Scene
+from .._core import Scene, Sensor
 from .._features import IMAGE_FEATURES
 from ..dataset import Dataset
 from ..dataset.provenance import Provenance
 from ..errors import InputError
 from ..pictures import TACTILE_IMAGE, range_of, shown_column
-from ..viewer.scene_files import scene_of
+from ..viewer.scene_files import scene_of, sensor_of
 from .sample import Sample
 
 MAX_FRAMES = 1_000_000
@@ -86,6 +86,10 @@ class Summary:
     folder: Path
     provenance: Provenance
     scene: Scene
+    sensor: Sensor
+    """The sensor that is shown."""
+    sensor_name: str
+    """With its place in the robot, where there are several."""
     num_frames: int
     num_episodes: int
     num_sampled_frames: int
@@ -122,14 +126,17 @@ def summarize(data: Dataset, max_frames: int = MAX_FRAMES, assets: Sequence[Path
     from .examples import examples_of
 
     if TACTILE_IMAGE not in data:
-        raise InputError(f"{data.folder}: no column {TACTILE_IMAGE}; add tactile_image to `record` of the scene")
+        several = f", which is shown of one of the sensors {', '.join(data.sensors)}" if data.sensors and not data.sensor else ""
+        raise InputError(f"{data.folder}: no column {TACTILE_IMAGE}{several}; add tactile_image to `record` of the scene")
     provenance = Provenance.of(data.folder)
     sample = Sample(data, max_frames)
     names = [data[name] for name in data.columns]
     columns = [(column.name, str(column.dtype), column.shape[1:], column.unit, column.description) for column in names]
     scene, _ = scene_of(provenance.scene, assets, data.folder)
+    sensor = sensor_of(scene, data.sensor)
+    name = f"{data.sensor} of {', '.join(data.sensors)}: {sensor.name}" if data.sensor else sensor.name
     sizes = (data.num_frames, data.num_episodes, sample.num_frames, len(sample.episodes))
-    summary = Summary(data.folder, provenance, scene, *sizes, columns)
+    summary = Summary(data.folder, provenance, scene, sensor, name, *sizes, columns)
     summary.distributions = _distributions(sample)
     _count_episodes(sample, summary)
     _count_images(sample, summary)
@@ -162,7 +169,7 @@ def _distributions(sample: Sample) -> list[Distribution]:
 def _count_episodes(sample: Sample, summary: Summary) -> None:
     if "meta/success" in sample.data:
         summary.successes = int(sample.column("meta/success").sum())
-    if not summary.scene.objects:
+    if "meta/object_name" not in sample.data:
         return
     names = sample.column("meta/object_name")
     reached = sample.column("meta/load_reached").astype(bool)
@@ -172,7 +179,7 @@ def _count_episodes(sample: Sample, summary: Summary) -> None:
 
 
 def _count_images(sample: Sample, summary: Summary) -> None:
-    sensor = summary.scene.sensor
+    sensor = summary.sensor
     summary.taxel_contacts = np.zeros(sensor.num_taxels, np.int64)
     for block in sample.frames(TACTILE_IMAGE):
         images = block.reshape(len(block), -1, sensor.num_taxels)  # (B, num_sensors, num_taxels)

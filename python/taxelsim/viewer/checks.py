@@ -70,6 +70,6 @@ def place_warnings(source: Source) -> list[str]:
         index = episode.object_index
         line = None if index is None or index in source.missing else place_warning(source.scene.objects[index], episode)
         lines += [] if line is None else [line]
-    if source.scene.objects and "data/pose" not in source.episodes[0].columns:
+    if source.scene.objects and not {"data/pose", "data/object_pose"} & source.episodes[0].columns.keys():
         lines.append("poses are not recorded, so that objects are not drawn; add `poses` to `record` of the scene")
     return lines

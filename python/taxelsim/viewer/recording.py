@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -37,6 +37,7 @@ class EpisodeWriter:
         self.root = f"episode_{episode.number}"
         self.num_sensors = episode.num_sensors
         self.series = series_of(episode)
+        self.name = episode.name
         self._frames = np.arange(len(episode))
 
     def write(self, item: Object | None) -> None:
@@ -53,12 +54,28 @@ class EpisodeWriter:
             self._static(series.path, rr.SeriesLines(names=list(series.names)))
             self._columns(series.path, rr.Scalars.columns(scalars=series.values), series.frames)
 
+    def write_objects(self, objects: Sequence[Object | None]) -> None:
+        """Objects whose poses in the world are recorded. objects: of the scene; None where a mesh is not known."""
+        poses = self._episode.columns.get("data/object_pose")
+        if poses is None:
+            return
+        for i, item in enumerate(objects):
+            entity, X_WO = f"world/object_{i}", np.asarray(poses)[:, i]
+            self._columns(entity, rr.Transform3D.columns(translation=X_WO[:, :3], quaternion=X_WO[:, [4, 5, 6, 3]]))
+            if item is not None:
+                vertices, normals = flat_shaded(*triangles_of(item.shape, 2 * extent_of(self._episode.sensor)))
+                self._static(entity, rr.Mesh3D(vertex_positions=vertices, vertex_normals=normals, albedo_factor=OBJECT_COLOUR))
+
     def sensor_path(self, k: int) -> str:
         """Entity of sensor k, whose frame is S."""
+        if self.name:
+            return f"world/{self.name}"
         return "world/sensor" if self.num_sensors == 1 else f"world/sensor_{k}"
 
     def image_path(self, k: int) -> str:
         """Entity of the tactile image of sensor k."""
+        if self.name:
+            return f"tactile_image/{self.name}"
         return "tactile_image" if self.num_sensors == 1 else f"tactile_image_{k}"
 
     def _write_sensor(self, k: int) -> None:
@@ -116,6 +133,8 @@ class EpisodeWriter:
 
     def counts_path(self, k: int, axis: str) -> str:
         """Entity of the counts of three-axis taxels of sensor k along an axis out of COUNT_AXES."""
+        if self.name:
+            return f"taxel_counts/{self.name}/{axis}"
         return f"taxel_counts/{axis}" if self.num_sensors == 1 else f"taxel_counts_{k}/{axis}"
 
     def _write_images(self, entity: str, counts: NDArray[Any], colormap: str, limits: list[float]) -> None:

@@ -11,7 +11,7 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from .._core import Mesh, Scene, load_scene, readable_scene
+from .._core import Mesh, Scene, Sensor, load_scene, readable_scene
 from .._log import silenced
 from ..errors import InputError
 from ..program import SCENES
@@ -42,6 +42,11 @@ def _sha256(file: Path) -> str:
         while block := stream.read(1 << 20):
             digest.update(block)
     return digest.hexdigest()
+
+
+def sensor_of(scene: Scene, name: str | None) -> Sensor:
+    """The sensor of that name of a scene of several, or its only or first one."""
+    return dict(scene.sensors).get(name or "", scene.sensor)
 
 
 def scene_of(text: str, folders: Sequence[Path], origin: Path) -> tuple[Scene, set[int]]:

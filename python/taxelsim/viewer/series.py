@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -106,4 +106,7 @@ def series_of(episode: Episode) -> list[Series]:
         for path, values in _per_sensor(episode, name, _path_of(name)):
             if values.dtype.kind in "iuf" and values.size <= MAX_VALUES * len(values):
                 result.append(_series(path, values))
-    return result + _errors(episode)
+    result += _errors(episode)
+    if not episode.name:
+        return result
+    return [replace(series, path=f"{episode.name}/{series.path}") for series in result if not series.path.startswith("robot/")]

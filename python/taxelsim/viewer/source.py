@@ -21,7 +21,7 @@ from ..errors import InputError
 from ..pictures import TACTILE_IMAGE, TAXEL_COUNTS, range_of
 from ..runs import generate
 from .checks import size_warnings
-from .scene_files import scene_of
+from .scene_files import scene_of, sensor_of
 
 DEFAULT_EPISODES = 3
 _MAX_KNOTS = 4097  # of the curve from counts to newtons
@@ -34,6 +34,8 @@ class Episode:
     number: int
     columns: Mapping[str, Any]
     sensor: _core.Sensor
+    name: str = ""
+    """Of the sensor, where several have columns of their own: each has an Episode."""
 
     def __len__(self) -> int:
         return len(self.columns["data/time"])
@@ -99,6 +101,15 @@ def _row_of(data: Dataset, number: int) -> int:
     return int(rows[0])
 
 
+def _episodes_of_all(folder: Path, isolated: bool, scene: Scene, numbers: Sequence[int] | None) -> list[Episode]:
+    """The episodes; of several sensors with columns of their own one for each sensor, the sensors of an episode one after the other."""
+    data = Dataset(folder, isolated=isolated)
+    if not data.sensors:
+        return _episodes(data, scene, numbers)
+    parts = [_episodes(Dataset(folder, isolated=isolated, sensor=name), scene, numbers) for name in data.sensors]
+    return [episode for group in zip(*parts, strict=True) for episode in group]
+
+
 def _episodes(data: Dataset, scene: Scene, numbers: Sequence[int] | None) -> list[Episode]:
     for needed in ("data/time", "data/tactile_image"):
         if needed not in data:
@@ -106,20 +117,27 @@ def _episodes(data: Dataset, scene: Scene, numbers: Sequence[int] | None) -> lis
     columns = [name for name in data.columns if _is_shown(name)]
     rows = range(min(DEFAULT_EPISODES, data.num_episodes)) if numbers is None else [_row_of(data, number) for number in numbers]
     values = [data.episode(row, columns) for row in rows]
-    return [Episode(int(value["meta/episode"]), value, scene.sensor) for value in values]
+    sensor = sensor_of(scene, data.sensor)
+    return [Episode(int(value["meta/episode"]), value, sensor, data.sensor or "") for value in values]
 
 
 @contextmanager
-def _simulated(scene: Scene, numbers: Sequence[int] | None, device: Device | None) -> Iterator[Dataset]:
+def _simulated(scene: Scene, numbers: Sequence[int] | None, device: Device | None) -> Iterator[Path]:
     chosen = range(min(DEFAULT_EPISODES, scene.num_episodes)) if numbers is None else numbers
     with tempfile.TemporaryDirectory() as folder:
         generate(scene, folder, episodes=chosen, device=device, batch_size=len(chosen), num_slices=1)
-        yield Dataset(folder)
+        yield Path(folder)
 
 
-def _source(data: Dataset, scene: Scene, missing: set[int], numbers: Sequence[int] | None, range: float | None) -> Source:
-    episodes = _episodes(data, scene, numbers)
-    return Source(scene, missing, episodes, {name: range_of(data, name, range) for name in (TACTILE_IMAGE, TAXEL_COUNTS) if name in data})
+def _source(folder: Path, isolated: bool, scene: Scene, missing: set[int], numbers: Sequence[int] | None, range: float | None) -> Source:
+    episodes = _episodes_of_all(folder, isolated, scene, numbers)
+    shown = [Dataset(folder, isolated=isolated, sensor=name) for name in dict.fromkeys(episode.name or None for episode in episodes)]
+    ranges = {
+        name: max(range_of(data, name, range) for data in shown if name in data)
+        for name in (TACTILE_IMAGE, TAXEL_COUNTS)
+        if any(name in data for data in shown)
+    }
+    return Source(scene, missing, episodes, ranges)
 
 
 def open_source(
@@ -135,14 +153,13 @@ def open_source(
         if not folder.is_dir():
             raise InputError(f"{folder}: not a folder; assets names a folder with meshes of the scene")
     if path.is_dir():
-        data = Dataset(path, isolated=isolated)
         scene, missing = scene_of(Provenance.of(path).scene, assets, path)
         warn(size_warnings(scene, missing))
-        return _source(data, scene, missing, numbers, range)
+        return _source(path, isolated, scene, missing, numbers, range)
     scene = load_scene(path)
     warn(size_warnings(scene, set()))  # first, since the simulation may refuse such objects
-    with _simulated(scene, numbers, device) as data:
-        return _source(data, scene, set(), numbers, range)
+    with _simulated(scene, numbers, device) as folder:
+        return _source(folder, False, scene, set(), numbers, range)
 
 
 def warn(lines: Sequence[str]) -> None:

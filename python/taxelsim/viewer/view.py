@@ -55,5 +55,7 @@ def view(
     for writer, episode in zip(writers, source.episodes, strict=True):
         index = episode.object_index
         writer.write(None if index is None or index in source.missing else source.scene.objects[index])
+        if episode.name == source.episodes[0].name:
+            writer.write_objects([None if i in source.missing else item for i, item in enumerate(source.scene.objects)])
     recording.send_blueprint(blueprint_of(writers))
     return recording

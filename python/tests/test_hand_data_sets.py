@@ -1,0 +1,109 @@
+"""Data sets of several sensors in everything that reads data sets: by sensor, in exports, reports and the viewer."""
+
+import json
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import taxelsim
+from taxelsim.dataset.dataset import dataset_of_one_sensor
+from taxelsim.export import FORMATS, Options, export
+from taxelsim.report import page_of, summarize
+
+SENSORS = ("left", "right", "below")
+EPISODES = [2, 0]
+
+
+@pytest.fixture(scope="module")
+def grasped(tmp_path_factory: pytest.TempPathFactory, device: taxelsim.Device) -> Path:
+    """Two episodes of a gripper, in another order than in its scene."""
+    folder = tmp_path_factory.mktemp("grasped") / "data"
+    taxelsim.generate(taxelsim.SCENES / "gripper_grasp.yaml", folder, episodes=EPISODES, device=device)
+    return folder
+
+
+def test_episodes_of_a_list_have_the_bytes_of_the_whole_data_set(grasped: Path, tmp_path: Path, device: taxelsim.Device) -> None:
+    taxelsim.generate(taxelsim.SCENES / "gripper_grasp.yaml", tmp_path / "first", episodes=range(3), device=device)
+    chosen, whole = taxelsim.Dataset(grasped), taxelsim.Dataset(tmp_path / "first")
+    np.testing.assert_array_equal(chosen["meta/episode"], EPISODES)
+    for row, number in enumerate(EPISODES):
+        for name in chosen.columns:
+            if name != "meta/episode_ends":
+                np.testing.assert_array_equal(chosen.episode(row)[name], whole.episode(number)[name], err_msg=name)
+
+
+@pytest.mark.parametrize("isolated", [False, True])
+def test_a_sensor_looks_like_a_data_set_of_its_own(grasped: Path, isolated: bool) -> None:
+    whole = taxelsim.Dataset(grasped, isolated=isolated)
+    assert whole.sensors == SENSORS
+    one = taxelsim.Dataset(grasped, sensor="right", isolated=isolated)
+    own = {name.replace("data/right/", "data/"): name for name in whole.columns if not name.startswith(("data/left/", "data/below/"))}
+    assert sorted(one.columns) == sorted(own)
+    for name, stored in own.items():
+        np.testing.assert_array_equal(one[name][::7], whole[stored][::7], err_msg=name)
+        assert one[name].path == stored
+    again = pickle.loads(pickle.dumps(one))
+    np.testing.assert_array_equal(again["data/total_force"], whole["data/right/total_force"])
+    windows = one.windows(4, columns=["data/tactile_image"], image_unit="newtons")
+    assert windows[0]["data/tactile_image"].dtype == np.float32
+    with pytest.raises(taxelsim.InputError, match="sensor 'thumb': its sensors are left, right, below"):
+        taxelsim.Dataset(grasped, sensor="thumb")
+
+
+def test_a_data_set_of_one_sensor_has_no_names_of_sensors(tmp_path: Path, device: taxelsim.Device) -> None:
+    taxelsim.generate(taxelsim.SCENES / "labelled_contacts.yaml", tmp_path / "out", episodes=range(2), device=device)
+    assert taxelsim.Dataset(tmp_path / "out").sensors == ()
+    with pytest.raises(taxelsim.InputError, match="its columns are not grouped by sensor"):
+        taxelsim.Dataset(tmp_path / "out", sensor="left")
+
+
+def test_exports_have_all_sensors_or_one(grasped: Path, tmp_path: Path) -> None:
+    data = taxelsim.Dataset(grasped)
+    zarr = pytest.importorskip("zarr")
+    export(grasped, tmp_path / "zarr", "zarr")
+    group = zarr.open_group(tmp_path / "zarr", mode="r")["data"]
+    for name in SENSORS:
+        np.testing.assert_array_equal(group[f"tactile_{name}"][:], data[f"data/{name}/tactile_image"])
+    export(grasped, tmp_path / "one", "zarr", Options(sensor="right"))
+    np.testing.assert_array_equal(zarr.open_group(tmp_path / "one", mode="r")["data/tactile"][:], data["data/right/tactile_image"])
+    pytest.importorskip("pyarrow")
+    export(grasped, tmp_path / "lerobot", "lerobot")
+    info = json.loads((tmp_path / "lerobot/meta/info.json").read_text())
+    assert [name for name in info["features"] if "tactile" in name] == [f"observation.tactile.{name}" for name in SENSORS]
+    with pytest.raises(taxelsim.InputError, match="video: choose a sensor: left, right, below"):
+        export(grasped, tmp_path / "video", "lerobot", Options(video=True))
+    read = pytest.importorskip("mcap_ros2.reader").read_ros2_messages
+    export(grasped, tmp_path / "mcap", "mcap")
+    topics = {message.channel.topic for message in read(str(tmp_path / "mcap/episode-000000.mcap"))}
+    assert {f"/tactile/{name}/image" for name in SENSORS} <= topics
+    with pytest.raises(taxelsim.InputError, match="data/action, which robomimic needs"):
+        export(grasped, tmp_path / "robomimic", "robomimic")
+    assert set(FORMATS) == {"zarr", "lerobot", "mcap", "robomimic"}
+
+
+@pytest.mark.parametrize("sensor", [None, "right"])
+def test_a_report_shows_one_sensor(grasped: Path, sensor: str | None) -> None:
+    summary = summarize(dataset_of_one_sensor(grasped, sensor))
+    data, name = taxelsim.Dataset(grasped), sensor or "left"
+    assert summary.sensor_name.startswith(f"{name} of left, right, below: ")
+    touched = (data[f"data/{name}/tactile_image"][:] > 0).reshape(data.num_frames, -1)
+    np.testing.assert_array_equal(summary.taxel_contacts, touched.sum(0))
+    assert page_of(summary).count("data:image/png") == 4  # three forces, and where it was touched
+
+
+def test_the_viewer_has_all_sensors_and_objects(grasped: Path, tmp_path: Path) -> None:
+    pytest.importorskip("rerun")
+    from .viewer.conftest import Recorded
+
+    (tmp_path / "view.rrd").write_bytes(taxelsim.view(grasped, 2).memory_recording().drain_as_bytes())
+    recorded = Recorded(tmp_path / "view.rrd")
+    data = taxelsim.Dataset(grasped)
+    frames = int(data.episode_ends[0])
+    for name in SENSORS:
+        translations = np.asarray(recorded[f"episode_2/world/{name}", "Transform3D:translation"]).reshape(-1, 3)
+        np.testing.assert_allclose(translations, data[f"data/{name}/sensor_pose"][:frames, :3], rtol=1e-6, atol=1e-9)
+        assert recorded[f"episode_2/tactile_image/{name}", "DepthImage:depth_range"] is not None
+    objects = np.asarray(recorded["episode_2/world/object_0", "Transform3D:translation"]).reshape(-1, 3)
+    np.testing.assert_allclose(objects, data["data/object_pose"][:frames, 0, :3], rtol=1e-6, atol=1e-9)
