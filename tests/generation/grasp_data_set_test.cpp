@@ -111,7 +111,9 @@ TEST(GraspDataSet, GroupsColumnsBySensor) {
 
 TEST(GraspDataSet, RefusesWhatTheKindDoesNotHave) {
   const TestDirectory directory;
-  EXPECT_THROW(generate(device(), scene(), directory.path() / "out", {.episodes = {3}}), Error);
+  GenerateOptions options;
+  options.policy.emplace().id = "policy";
+  EXPECT_THROW(generate(device(), scene(), directory.path() / "out", options), Error);
   EXPECT_FALSE(std::filesystem::exists(directory.path() / "out"));
 }
 
