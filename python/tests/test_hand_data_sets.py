@@ -2,6 +2,7 @@
 
 import json
 import pickle
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 import taxelsim
 from taxelsim.dataset.dataset import dataset_of_one_sensor
 from taxelsim.export import FORMATS, Options, export
+from taxelsim.program import PROGRAM
 from taxelsim.report import page_of, summarize
 
 SENSORS = ("left", "right", "below")
@@ -107,3 +109,38 @@ def test_the_viewer_has_all_sensors_and_objects(grasped: Path, tmp_path: Path) -
         assert recorded[f"episode_2/tactile_image/{name}", "DepthImage:depth_range"] is not None
     objects = np.asarray(recorded["episode_2/world/object_0", "Transform3D:translation"]).reshape(-1, 3)
     np.testing.assert_allclose(objects, data["data/object_pose"][:frames, 0, :3], rtol=1e-6, atol=1e-9)
+
+
+def robot(file: Path, *options: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([PROGRAM, "robot", file, *options], capture_output=True, text=True, check=False)
+
+
+def test_a_robot_file_shows_where_its_sensors_are(grasped: Path, tmp_path: Path) -> None:
+    file = taxelsim.SCENES / "robots/gripper.yaml"
+    shown = json.loads(robot(file, "--json").stdout)
+    data = taxelsim.Dataset(grasped)  # whose first frame has the initial posture
+    for sensor in shown["sensors"]:
+        pose = data[f"data/{sensor['name']}/sensor_pose"][0]
+        np.testing.assert_allclose(sensor["X_WS"]["position"] + sensor["X_WS"]["rotation"], pose, atol=1e-9)
+    assert [joint["name"] for joint in shown["joints"]] == ["jaw", "bend"]
+    moved = json.loads(robot(file, "--json", "--joint", "jaw=10", "--png", str(tmp_path / "robot.png")).stdout)
+    distance = np.subtract(*(sensor["X_WS"]["position"] for sensor in moved["sensors"][:2]))
+    np.testing.assert_allclose(np.linalg.norm(distance), 0.08 - 0.02, atol=1e-12)  # both jaws close by 10 mm
+    assert (tmp_path / "robot.png").stat().st_size > 10000
+    assert "right_jaw" in robot(file).stdout
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--joint", "jaw=100"], "--joint: jaw=100 is not allowed: 0 to 35 mm"),
+        (["--joint", "thumb=1"], "--joint: thumb=1 is not allowed: NAME=POSITION of one of jaw, bend"),
+        (["--joint", "jaw=nan"], "--joint: jaw=nan is not allowed: 0 to 35 mm"),
+        (["--png", "robot.jpg"], "robot.jpg"),
+    ],
+)
+def test_a_wrong_option_of_robot_is_one_line(options: list[str], message: str) -> None:
+    done = robot(taxelsim.SCENES / "robots/gripper.yaml", *options)
+    assert done.returncode == 2
+    assert message in done.stderr
+    assert done.stderr.count("\n") == 1

@@ -48,6 +48,7 @@ void addFrame(CLI::App& app, Action& action);
 void addGenerate(CLI::App& app, Action& action);
 void addInspect(CLI::App& app, Action& action);
 void addRender(CLI::App& app, Action& action);
+void addRobot(CLI::App& app, Action& action);
 void addSchema(CLI::App& app, Action& action);
 void addStiffness(CLI::App& app, Action& action);
 

@@ -64,6 +64,7 @@ int run(int argc, char** argv) {
   addCompare(app, action);
   addCalibrateReadings(app, action);
   addStiffness(app, action);
+  addRobot(app, action);
   addSchema(app, action);
   addPythonSubcommands(app, action);
   try {

@@ -200,7 +200,38 @@ Robot readRobot(const YamlNode& node, const SensorFiles& files, Canonical& canon
   return FreeFlying{};
 }
 
+// A file, whose errors have positions in it.
+Robot readRobotFile(const std::filesystem::path& file, std::vector<RobotSensor>* sensors, Canonical& canonical) {
+  const std::string name = file.generic_string();
+  const YamlTree tree = parseYaml(readYamlFile(file), name);
+  const YamlNode root(tree, name);
+  checkFormatVersion(root);
+  const std::filesystem::path folder = file.parent_path();
+  return readRobot(root, {folder, sensors, nullptr}, canonical, true);
+}
+
+// Whether the first mount of a robot file names its sensor, as those for scenes of kind grasp do.
+bool namesSensors(const std::filesystem::path& file) {
+  const std::string name = file.generic_string();
+  const YamlTree tree = parseYaml(readYamlFile(file), name);
+  const YamlNode root(tree, name);
+  for (const char* kind : {"urdf", "pan_tilt"}) {
+    const std::optional<YamlNode> robot = root.isMap() ? root.child(kind) : std::nullopt;
+    const std::optional<YamlNode> mounts = robot && robot->isMap() ? robot->child("sensors") : std::nullopt;
+    if (!mounts) continue;
+    const std::vector<YamlNode> items = mounts->items("a list of sensors");
+    return !items.empty() && items.front().isMap() && items.front().child("name").has_value();
+  }
+  return false;
+}
+
 }  // namespace
+
+Robot loadRobotFile(const std::filesystem::path& file, std::vector<RobotSensor>& sensors) {
+  sensors.clear();
+  Canonical none;
+  return readRobotFile(file, namesSensors(file) ? &sensors : nullptr, none);
+}
 
 Robot readRobotBlock(const YamlMap& scene, const std::filesystem::path& directory, std::vector<RobotSensor>* sensors) {
   Canonical& canonical = scene.canonical();
@@ -214,14 +245,8 @@ Robot readRobotBlock(const YamlMap& scene, const std::filesystem::path& director
   } else {
     const std::filesystem::path file = directory / node->text(kRobotBlock);
     std::error_code error;
-    // Errors inside that file have positions in that file.
     if (!std::filesystem::is_regular_file(file, error)) node->fail(file.generic_string() + " is not there, or not a file");
-    const std::string name = file.generic_string();
-    const YamlTree tree = parseYaml(readYamlFile(file), name);
-    const YamlNode root(tree, name);
-    checkFormatVersion(root);
-    const std::filesystem::path folder = file.parent_path();
-    robot = readRobot(root, {folder, sensors, nullptr}, canonical, true);
+    robot = readRobotFile(file, sensors, canonical);
   }
   canonical.close();
   return robot;

@@ -16,4 +16,7 @@ namespace taxelsim {
 // `sensors`: receives the named sensors of the mounts, which must then all have `name` and `sensor`. Null: a mount must have neither.
 Robot readRobotBlock(const YamlMap& scene, const std::filesystem::path& directory, std::vector<RobotSensor>* sensors = nullptr);
 
+// The robot of a file alone. `sensors`: receives the named sensors of its mounts; empty if the mounts have none. Throws Error(kInput).
+Robot loadRobotFile(const std::filesystem::path& file, std::vector<RobotSensor>& sensors);
+
 }  // namespace taxelsim
