@@ -4,8 +4,9 @@
     PYTHONPATH=build/release/python build/venv/bin/python bench/python/sampling_cost.py
 
 Objects of the benchmark on the sensor wts0614_soft_cover, --instances at random places. Each is pressed by --load, and for comparison posed
-where the load was found; or posed --depth deep, or well above the skin. With --more also meshes on a foil of 16 x 16 taxels and on a
-curved fingertip, under loads. Medians of --repeats steps, in turns; on a software driver, whose threads belong to the process.
+where the load was found; or posed --depth deep, or well above the skin. A load has two times: of objects that slide by 10 um a step, whose
+search begins where the last one has ended, and of a first frame after a reset. With --more also meshes on a foil of 16 x 16 taxels and a
+sphere on a curved fingertip. Medians of --repeats steps, in turns; on a software driver, whose threads belong to the process.
 """
 
 from __future__ import annotations
@@ -66,10 +67,18 @@ def placed(shapes: list[object], rotation: tuple[float, ...], depth: float, inst
 
 
 class Case:
-    """Objects on a sensor, driven by poses or, with a load, by that."""
+    """Objects on a sensor, driven by poses or, with a load, by that; reset before every frame if `resets`."""
 
-    def __init__(self, device: taxelsim.Device, sensor: object, shapes: list[object], poses: np.ndarray, load: float | None = None) -> None:
-        self.poses, self.load = poses.copy(), load
+    def __init__(
+        self,
+        device: taxelsim.Device,
+        sensor: object,
+        shapes: list[object],
+        poses: np.ndarray,
+        load: float | None = None,
+        resets: bool = False,
+    ) -> None:
+        self.poses, self.load, self.resets = poses.copy(), load, resets
         self.simulator = taxelsim.Simulator(taxelsim.Model(device, sensor, shapes), len(poses))
         self.ids = np.arange(len(poses)) % len(shapes)
         if load is not None:
@@ -96,11 +105,13 @@ class Case:
 
 
 def processor_times(cases: list[Case], repeats: int) -> np.ndarray:
-    """us per frame (repeats x cases), in turns."""
+    """Processor time per frame (repeats x cases), us, in turns."""
     times = np.empty((repeats, len(cases)))
     for repeat in range(-3, repeats):
         for k, case in enumerate(cases):
             case.poses[:, 0] += 1e-5
+            if case.resets:
+                case.simulator.reset()
             begin = time.process_time()
             case.frame()
             if repeat >= 0:
@@ -111,10 +122,11 @@ def processor_times(cases: list[Case], repeats: int) -> np.ndarray:
 def loaded(sensor: object, shapes: list[object], poses: np.ndarray, arguments: argparse.Namespace) -> dict[str, float]:
     """Times at the poses that are found and under the load, and their ratio."""
     device = taxelsim.Device.open()
-    driven = Case(device, sensor, shapes, poses, arguments.load)
-    times = processor_times([driven.at_found_poses(device, sensor, shapes), driven], arguments.repeats)
-    pose, load = np.median(times, axis=0)
-    return {"pose_us": pose, "load_us": load, "ratio": float(np.median(times[:, 1] / times[:, 0]))}
+    driven, first = (Case(device, sensor, shapes, poses, arguments.load, resets) for resets in (False, True))
+    times = processor_times([driven.at_found_poses(device, sensor, shapes), driven, first], arguments.repeats)
+    row = dict(zip(("pose_us", "load_us", "first_us"), np.median(times, axis=0).tolist(), strict=True))
+    ratios = np.median(times[:, 1:] / times[:, :1], axis=0).tolist()
+    return {**row, "ratio": ratios[0], "first_ratio": ratios[1]}
 
 
 def main() -> None:
@@ -142,8 +154,8 @@ def main() -> None:
         for sampling, value in SAMPLINGS.items():
             row = loaded(sensors[place].replace(depth_sampling=value), list(shapes), poses, arguments)
             rows.append({"sensor": place, "object": name, "sampling": sampling, **row})
-            print(f"{place:9} {name:16} {sampling:5} at the pose {row['pose_us']:7.2f}, by load {row['load_us']:7.2f}  x {row['ratio']:.2f}",
-                  flush=True)  # fmt: skip
+            times = f"at the pose {row['pose_us']:7.2f}, by load {row['load_us']:7.2f} x {row['ratio']:.2f}"
+            print(f"{place:9} {name:16} {sampling:5} {times}, first {row['first_us']:7.2f} x {row['first_ratio']:.2f}", flush=True)
     for name, (shape, rotation) in objects().items():
         for depth in (arguments.depth, -0.05):
             poses = placed([shape], rotation, depth, arguments.instances)
