@@ -4,8 +4,8 @@
     PYTHONPATH=build/release/python build/venv/bin/python bench/python/sampling_cost.py
 
 Objects of the benchmark on the sensor wts0614_soft_cover, --instances at random places. Each is pressed by --load, and for comparison posed
-where the load was found; or posed --depth deep, or well above the skin. A load has two times: of objects that slide by 10 um a step, whose
-search begins where the last one has ended, and of a first frame after a reset. With --more also meshes on a foil of 16 x 16 taxels and a
+where the load was found; or posed --depth deep, or well above the skin. A load has two times: of objects that slide by 10 um a step, and of a first
+frame after a reset. With --more also meshes on a foil of 16 x 16 taxels and a
 sphere on a curved fingertip. Medians of --repeats steps, in turns; on a software driver, whose threads belong to the process.
 """
 
