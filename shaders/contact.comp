@@ -52,11 +52,26 @@ void computeTile(uint instance, uint tile_number, uint num_slots) {
   if (search_here) tile.z_base = clamp(reach.lowest_bound, -1.0, 1.0);
   workgroupBarrier();
 
-  Found found = Found(noSamples(), false, 0u);
-  Box samples = rasterHeights(tile, instance, num_slots, reach, found);
-  countIterations(kIterationsOfSample * areaOf(samples));
-  ActiveTaxels taxels = activeTaxels(samples);
-  TileStep step = beginPressures(tile, instance, tile_number, num_slots, reach, taxels, load_driven, search_here);
+  Found found;
+  Box samples;
+  ActiveTaxels taxels;
+  TileStep step;
+  float lowest_bound = reach.lowest_bound;
+  uint band = firstBand(reach.body.kind_groups.x);
+  bool again;
+  do {
+    if (search_here) {
+      band = setBand(tile, lowest_bound, band);
+      reach = objectsNear(tile, instance, num_slots);
+    }
+    found = Found(noSamples(), false, 0u);
+    samples = rasterHeights(tile, instance, num_slots, reach, found);
+    countIterations(kIterationsOfSample * areaOf(samples));
+    taxels = activeTaxels(samples);
+    step = beginPressures(tile, instance, tile_number, num_slots, reach, taxels, load_driven, search_here);
+    again = SEARCH == kSearchInTile && step.found.status == kLoadSearching;
+    if (again) clearForNextBand(tile, samples);
+  } while (again && band < kNumBands);
   pressTaxels(tile, step, taxels, found);
   clearTaxels(tile, instance, step.result, taxels, gl_LocalInvocationIndex, WORKGROUP);
   writeTileResult(tile, step.result, step.state, step.skin, taxels, samples);

@@ -1,5 +1,8 @@
-// Load search over one tile: the depth of the lowest sample at which the tile carries a load, by Newton's method from full depth down; and
-// the trial offsets of a search over several tiles (load.comp).
+// Load search over one tile: the depth of the lowest sample at which the tile carries a load, by Newton's method from above; and the trial
+// offsets of a search over several tiles (load.comp).
+//
+// A tile has the heights of samples up to a band over the lowest point of the objects' bounds. The search ends if the load is carried
+// within it, else the next band is drawn, at last all heights: a light load touches few samples.
 // Shared memory: 4 bytes.
 // Reference: src/reference/load.cpp.
 
@@ -14,8 +17,48 @@ struct Search {
   float depth;   // depth of the lowest sample, m
   float lowest;  // height of the lowest sample before the move, over Tile::z_base, m
   float offset;  // offset of the objects along z, m
-  float status;  // kLoadCarried or kLoadOutOfReach
+  float status;  // kLoadCarried, kLoadOutOfReach, or kLoadSearching: in a wider band
 };
+
+const uint kNumBands = 4;
+
+// The first band of an object of a kind, or of the objects of all slots. Bounds of some kinds do not shrink with it: a band would draw as
+// many samples as all heights.
+uint firstBand(uint kind) {
+  const uint kUnshrunk = 1u << kKindBox | 1u << kKindHalfSpace | 1u << kKindCone | 1u << kKindTorus | 1u << kKindPolyhedron;
+  uint kinds = MANY_SLOTS ? OBJECT_KINDS : 1u << kind;
+  return (OBJECT_KINDS & kUnshrunk) != 0 && (kinds & kUnshrunk) != 0 ? kNumBands - 1u : 0u;
+}
+
+// Sets Tile::z_limit to a band: a thin one over the lowest point of the bounds, a thin and a thicker one over the skin, where callers put
+// the lowest point of a tilted object, at last all heights. `lowest_bound`: of the objects. Returns the number of the next band.
+uint setBand(inout Tile tile, float lowest_bound, uint number) {
+  const float kThin = THICKNESS / 8.0, kThick = THICKNESS / 2.0;
+  float touch = number == 0 ? lowest_bound : max(lowest_bound, 0.0);
+  tile.z_limit = number + 1u < kNumBands ? touch + (number + 2u < kNumBands ? kThin : kThick) : kNoHeight;
+  if (OUTPUT_JACOBIAN && number + 1u < kNumBands) tile.z_limit += cellReach(tile);
+  return number == 0 && lowest_bound > -0.5 * kThin ? 2u : number + 1u;
+}
+
+// Empties the tile for the next band. All invocations call it.
+void clearForNextBand(Tile tile, Box samples) {
+  workgroupBarrier();
+  clearSamples(tile, samples);
+  if (gl_LocalInvocationIndex == 0) {
+    startBoxes();
+    lowest_bits = kEmpty;
+  }
+  workgroupBarrier();
+}
+
+bool hasAllHeights(Tile tile) { return tile.z_limit >= kNoHeight; }
+
+// Depth of the lowest sample, whose height over Tile::z_base is `lowest`, up to which the tile has all samples that press.
+float mostDepth(Tile tile, float lowest) {
+  const float kRounding = 1e-7;  // m, of heights and of the limit
+  if (hasAllHeights(tile)) return THICKNESS;
+  return min(THICKNESS, tile.z_limit - (OUTPUT_JACOBIAN ? cellReach(tile) : 0.0) - tile.z_base - lowest - kRounding);
+}
 
 uint addressOf(Tile tile, uvec2 at) { return at.x * tile.stride + at.y; }
 
@@ -62,19 +105,21 @@ vec2 forceAtDepth(Tile tile, TileSkin tile_skin, float depth, float lowest, uvec
 Search searchLoad(Tile tile, TileSkin tile_skin, float load, uvec2 first, uvec2 count) {
   const int kMaxIterations = 32;
   const float kTolerance = 2e-6;  // share of the load; some ten roundings of a float
-  Search found = Search(0.0, 0.0, 0.0, kLoadOutOfReach);
+  Search found = Search(0.0, 0.0, 0.0, hasAllHeights(tile) ? kLoadOutOfReach : kLoadSearching);
   uint lowest = lowestSample(tile, first, count);
   if (lowest == kEmpty) return found;
   found.lowest = withoutSlot(lowest);
-  found.depth = THICKNESS;
+  float most = mostDepth(tile, found.lowest);
+  if (most <= 0.0) return found;
+  found.depth = most;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     vec2 sums = forceAtDepth(tile, tile_skin, found.depth, found.lowest, first, count);
     float excess = sums.x - load;
-    if (iteration == 0 && excess < -kTolerance * load) break;  // even full depth carries less
+    if (iteration == 0 && excess < -kTolerance * load) break;  // even this depth carries less
     found.status = kLoadCarried;
     if (RELAXATION > 0 && load > 0.0 && sums.y <= 0.0) found.status = kLoadOutOfReach;  // lost in the rounding of a much deeper dent
     if (abs(excess) <= kTolerance * load || sums.y <= 0.0) break;
-    found.depth = clamp(found.depth - excess / sums.y, 0.0, THICKNESS);
+    found.depth = clamp(found.depth - excess / sums.y, 0.0, most);
   }
   if (RELAXATION == 0 && load == 0.0) found.depth = 0.0;  // with relaxation: at the bottom of a dent
   found.offset = -found.depth - (tile.z_base + found.lowest);

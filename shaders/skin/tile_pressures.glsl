@@ -116,7 +116,7 @@ TileStep beginPressures(Tile tile, uint instance, uint tile_number, uint num_slo
   step.state = stateStart(step.result);
   step.touched = kStoresTouched ? readRectangle(step.state, kTouchedTaxels, is_first) : uvec4(0);
   if (RELAXATION > 0) step.skin = loadTileSkin(step.state, is_first);
-  step.found = Search(0.0, 0.0, 0.0, kLoadOutOfReach);
+  step.found = Search(0.0, 0.0, 0.0, search_here && !hasAllHeights(tile) ? kLoadSearching : kLoadOutOfReach);
   if (SEARCH == kSearchInTile && search_here) {
     if (taxels.count.x * taxels.count.y > 0) {
       step.found = searchLoad(tile, step.skin, instanceRecord(instance).drive.x, taxels.first * SAMPLES, taxels.count * SAMPLES);
