@@ -19,7 +19,7 @@ from .tools import FORMAT_1, THIS_PYTHON
 
 PACKAGES = ("taxelsim", "numpy", "h5py", "rerun", "rerun_cli", "pyarrow", "av", "PIL", "onnxruntime")
 IN_THE_FOLDER = {
-    "report": ([], 2),
+    "report": ([], 0),
     "export": (["--format", "zarr", "-o", "out"], 0),
     "view": (["--save", "a.rrd"], 0),
     "import": (["--sensor", "a.yaml", "--measurement", "stamp", "-o", "b.yaml"], 2),
