@@ -265,5 +265,5 @@ def test_shipped_scene_and_its_report(device: taxelsim.Device, tmp_path: Path) -
 def test_exports(device: taxelsim.Device, tmp_path: Path, name: str) -> None:
     taxelsim.generate(SHIPPED, tmp_path / "data", device=device)
     exported = export(tmp_path / "data", tmp_path / "out", name)
-    assert (exported.num_episodes, exported.num_frames, exported.label) == (2, 100, "meta/contact_points")
+    assert (exported.num_episodes, exported.num_frames, exported.episode_columns) == (2, 100, ("meta/contact_points",))
     assert any((tmp_path / "out").iterdir())
