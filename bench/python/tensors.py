@@ -1,4 +1,4 @@
-"""Environments with a 64-64 network of PyTorch: backend="torch" beside backend="numpy", in turns. Needs torch.
+"""Environments with a 64-64 network of PyTorch: backend="torch" and backend="numpy" in turns. Needs torch.
 
 python tensors.py [--num-envs 2048] [--turns 7] [--json FILE]
 

@@ -1,4 +1,4 @@
-"""One step of a simulator as a function of poses and loads, with its gradient. What taxelsim.torch and taxelsim.jax have in common."""
+"""One step of a simulator as a function of poses and loads, with its gradient. taxelsim.torch and taxelsim.jax share it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Z = 2  # index of the translation along z in a twist
 
 
 class Step(NamedTuple):
-    """Values of one step, copied, and what their gradient needs."""
+    """Values of one step and their derivatives, copied."""
 
     values: npt.NDArray[np.float32]
     """(N, num_rows, num_cols), or (N, num_taxels) for sensors of several patches, N."""

@@ -62,7 +62,7 @@ class Arrays:
         return type(self)(_copied(self.as_dict()), self._absent)
 
     def tensors(self, library: str = "torch") -> Self:
-        """The same arrays as tensors of "torch", "jax", "warp" or "numpy", on the CPU: what this returns has them under the same names.
+        """The same arrays under the same names as tensors of "torch", "jax", "warp" or "numpy", on the CPU.
 
         They share the memory of the arrays, keep it alive, and show newer numbers after a step; do not write to them. JAX takes arrays for
         constant and copies those that do not begin at a multiple of 64 bytes: call this again after each step. Raises InputError for

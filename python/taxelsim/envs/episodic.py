@@ -36,8 +36,8 @@ class EpisodicVectorEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]], ABC):
 
     Every array in `infos` has one row per environment, and a mask `_name` of the rows that are valid.
 
-    backend: "numpy", or "torch", "jax" or "warp": the library of what reset() and step() return, on the CPU, without a copy for PyTorch and
-    Warp. Numbers are those of NumPy, but JAX makes 64 bits to 32. Actions may come from any library on the CPU.
+    backend: "numpy", or "torch", "jax" or "warp": the library whose tensors reset() and step() return, on the CPU; PyTorch and Warp share
+    the memory. Numbers are those of NumPy, but JAX makes 64 bits to 32. Actions may come from any library on the CPU.
 
     Subclasses set the spaces and `step_time`, and implement `_start`, `_advance`, `_observe`, `_info` and `render`. One
     thread at a time may use an environment; several environments may run in several threads. An environment does not

@@ -89,7 +89,7 @@ class Source:
         return tuple(dict.fromkeys(("data/time", *(name for feature in features for name in feature.columns))))
 
     def labels(self, values: Mapping[str, NDArray[Any]]) -> list[str]:
-        """What touches in each of the episodes whose columns in meta/ these are; the objects of the scene where it is always the same."""
+        """Name of the object, or file of the contact points, of each episode with these columns in meta/; else all objects of the scene."""
         if self._label is not None:
             return [str(name) for name in values[self._label]]
         objects = re.findall(r"^    - name: (.*)$", self._manifest(r"^  objects:\n((?:    .*\n)+)"), re.MULTILINE)

@@ -1,4 +1,4 @@
-"""What the side panel of the playground shows of a frame: a figure, curves over time, and a prediction beside the truth."""
+"""The side panel of the playground: the figure of a frame, curves over time, and a table of predicted and true features."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the tactile Jacobian predicts for another pose of the object."""
+"""Forces and features that the tactile Jacobian predicts for another pose of the object."""
 
 from __future__ import annotations
 
