@@ -32,6 +32,17 @@ def warnings(caplog, monkeypatch):
     return taken
 
 
+def test_an_open_mesh_under_area_sampling_says_so_once(warnings, device):
+    sensor = taxelsim.load_sensor(taxelsim.SCENES / "sensors/wts0614.yaml")
+    opened = taxelsim.Object(taxelsim.Mesh([[0, 0, 0], [0.01, 0, 0], [0, 0.01, 0]], [[0, 1, 2]]), name="leaf")
+    for _ in range(2):
+        taxelsim.Model(device, sensor, [opened, taxelsim.Sphere(radius=0.01)])
+    line = "object leaf is a mesh that is not closed: depth_sampling: area takes its depth in the middle of each cell, as point does"
+    assert warnings() == [line]
+    taxelsim.Model(device, sensor.replace(depth_sampling="point"), [taxelsim.Object(opened.shape, name="other leaf")])
+    assert not any("not closed" in each for each in warnings())
+
+
 GRASP = """
 format_version: 1
 name: grasp

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/log.h"
 #include "base/text.h"
 #include "geometry/clusters.h"
 #include "geometry/outward.h"
@@ -106,6 +107,10 @@ bool packOutward(const Object& object, const SampleGrid& grid, PackedObjects& pa
       outward = outwardMesh(mesh);
     } catch (const Error& error) {
       throw Error(ErrorKind::kInput, "object '" + oneLine(object.name) + "': " + error.what());
+    }
+    if (!outward) {
+      logWarning("object " + oneLine(object.name) +
+                 " is a mesh that is not closed: depth_sampling: area takes its depth in the middle of each cell, as point does");
     }
     packMesh(outward ? *outward : mesh, outward.has_value(), grid, packed, record);
     return true;
