@@ -67,15 +67,16 @@ def as_restructured_text(app, what, name, obj, options, lines):
     text = "\n".join(lines)
     text = re.sub(r"(?<!`)`([^`]+)`(?!`)", r"``\1``", text)
     text = re.sub(r"(?<![`\w])(\*{1,2})(?=\w)", lambda stars: "\\*" * len(stars[1]), text)
-    paragraphs = []
+    paragraphs, in_item = [], False
     for line in text.split("\n"):
         if FIELD.match(line):
             paragraphs += ["", FIELD.sub(r"* ``\1``: ", line)]
-        elif line.startswith(" ") and paragraphs and paragraphs[-1].startswith(("* ", "  ")):
+            in_item = True
+        elif line.startswith(" ") and in_item:
             paragraphs.append("  " + line.strip())
         else:
-            separate = bool(line) and bool(paragraphs) and paragraphs[-1].startswith(("* ", "  "))
-            paragraphs += ["", line] if separate else [line]
+            paragraphs += ["", line] if line and in_item else [line]
+            in_item = False
     lines[:] = [*paragraphs, ""]
 
 

@@ -105,8 +105,8 @@ struct PanTilt {
   std::vector<SensorMount> sensors{{"tilt", {{0, 0, 0.03}, {1, 0, 0, 0}}}};  ///< Sensors, at least one.
   /// rad, lower and upper limit of both joints: 300 deg of range.
   std::array<double, 2> position_limits{-150 * std::numbers::pi / 180, 150 * std::numbers::pi / 180};
-  double max_velocity = 59 * std::numbers::pi / 30;                              ///< rad/s: 59 rpm without load at 12 V.
-  JointDrive drive{.position_step = 0.29 * std::numbers::pi / 180, .delay = 0};  ///< 0.29 deg.
+  double max_velocity = 59 * std::numbers::pi / 30;    ///< rad/s: 59 rpm without load at 12 V.
+  JointDrive drive{0.29 * std::numbers::pi / 180, 0};  ///< 0.29 deg.
 };
 
 /// The pan-tilt platform as a robot that follows w about y (tilt) and z (pan) of S. Throws what checkRobot() throws, and Error(kInput) for

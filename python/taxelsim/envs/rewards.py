@@ -21,9 +21,7 @@ class Reward:
 
         tracking = mean over m and widths w of exp(-(e_m / (w t_m))^2)  0 without contact
         progress = clip(advance / required advance per step, 0, 1)      1 for tasks without `travel` and `laps`
-        reward   = tracking (1 + progress) / 2
-                   - lost_penalty [no contact]
-                   - force_penalty max(0, total force / force_limit - 1)
+        reward   = tracking (1 + progress) / 2 - lost_penalty [no contact] - force_penalty max(0, total force / force_limit - 1)
 
     `advance` is the path length, or the part of the lap, since the preceding step; the required one completes the
     task's `travel` or `laps` at the end of the episode. A reward is at most 1.
