@@ -14,6 +14,7 @@
 
 #include "any_object.h"
 #include "geometry/object_fields.h"
+#include "geometry/unit_check.h"
 #include "interruptible.h"
 #include "structs.h"
 #include "taxelsim/error.h"
@@ -149,6 +150,7 @@ void bindObjects(nb::module_& module) {
 
 text: a mesh file, or sphere:R, cylinder:R,L, capsule:R,L, box:X,Y,Z, half_space, cone:R,H, torus:MAJOR,MINOR, in metres.
 scale, up_axis, max_depth_error: of a mesh file, as in load_mesh().)");
+  module.attr("LONGEST_PLAUSIBLE") = kLongestPlausible;  // m
   module.def(
       "check_object", [](const AnyObject& object) { checkObject(objectOf(object)); }, "object"_a,
       "Raises InputError if a dimension is out of range or a mesh is not valid.");

@@ -104,12 +104,12 @@ from .environment import Environment, EnvironmentFrame, TaskState, episode_keys
 from .errors import ArgumentError, DeviceError, Error, InputError, IoError, OutOfRangeError
 from .frame import CleanTactileJacobian, ContactFeatures, Features, Frame, GroundTruth, TactileJacobian
 from .gradients import Gradient, vjp
-from .inputs import Inputs
+from .inputs import NO_OBJECT, Inputs
 from .parts import EvaluationPart, evaluate_part, merge_evaluations
 from .policies import Comparison, OnnxPolicy, Policy, compare
 from .program import SCENES
 from .runs import Interrupted, evaluate, evaluate_grasp, finish, generate
-from .simulator import NO_OBJECT, Simulator, split_patches
+from .simulator import Simulator, split_patches
 from .vectorized import make_vec
 from .viewer import view
 

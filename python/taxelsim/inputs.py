@@ -14,6 +14,9 @@ from .errors import InputError
 if TYPE_CHECKING:
     from .simulator import Simulator
 
+NO_OBJECT = -1
+"""Id of an empty slot."""
+
 
 class Inputs(Arrays):
     """Writable arrays that step() takes as they are then: write to them, or to their tensors(), and step.
@@ -52,14 +55,14 @@ def new_inputs(num_instances: int, num_slots: int, max_contacts: int) -> Inputs:
     rows = (num_instances,) if num_slots == 1 else (num_instances, num_slots)
     poses = np.zeros((*rows, 7))
     poses[..., 3] = 1
-    return Inputs({"ids": np.full(rows, -1, np.int32), "poses": poses, "loads": np.full(num_instances, np.nan, np.float32)})
+    return Inputs({"ids": np.full(rows, NO_OBJECT, np.int32), "poses": poses, "loads": np.full(num_instances, np.nan, np.float32)})
 
 
 def commit(inputs: Inputs, simulator: Simulator) -> None:
     """Gives the inputs to the simulator. Raises what its setters raise."""
     if "poses" in inputs:
         simulator.set_objects(inputs.ids, inputs.poses)
-        is_driven = np.isfinite(inputs.loads) | np.isinf(inputs.loads)  # inf is refused
+        is_driven = ~np.isnan(inputs.loads)
         simulator.set_loads(np.where(is_driven, inputs.loads, 0), where=is_driven)
         return
     counts = inputs.num_contacts

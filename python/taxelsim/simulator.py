@@ -18,10 +18,7 @@ from ._log import logger
 from .errors import InputError
 from .frame import Frame
 from .gradients import Gradient
-from .inputs import Inputs, commit, new_inputs
-
-NO_OBJECT = -1
-"""Id of an empty slot."""
+from .inputs import NO_OBJECT, Inputs, commit, new_inputs
 
 
 class Simulator:

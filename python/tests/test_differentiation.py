@@ -1,4 +1,4 @@
-"""taxelsim.torch and taxelsim.jax beside central differences. Skipped without the libraries, which the campaign `learn` installs."""
+"""Compares taxelsim.torch and taxelsim.jax with central differences. Only the campaign `learn` installs these libraries."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from taxelsim._counts import newtons_of_counts
 
 N = 3
 LOADS = np.array([2.0, 3.0, 4.0])
-# A ball that is large beside the taxels: the Jacobian has the slopes in the middle of the cells.
+# The capsule is much larger than a taxel, because the Jacobian has the slopes in the middle of the cells.
 STEP_LENGTH, STEP_ANGLE = 2e-6, 2e-4  # m, rad
 TOLERANCE = 0.05  # of the largest entry: slopes in the middle of cells, and float32 forces over differences of 1e-3 N
 

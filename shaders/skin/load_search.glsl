@@ -22,16 +22,17 @@ struct Search {
 
 const uint kNumBands = 4;
 
-// The first band of an object of a kind, or of the objects of all slots. Bounds of some kinds do not shrink with it: a band would draw as
-// many samples as all heights.
+// Returns the first band for an object of this kind; with MANY_SLOTS, for the kinds of the model. The bounds of some kinds do not shrink
+// with a band, so that the last band draws no more samples than a thin one.
 uint firstBand(uint kind) {
   const uint kUnshrunk = 1u << kKindBox | 1u << kKindHalfSpace | 1u << kKindCone | 1u << kKindTorus | 1u << kKindPolyhedron;
   uint kinds = MANY_SLOTS ? OBJECT_KINDS : 1u << kind;
   return (OBJECT_KINDS & kUnshrunk) != 0 && (kinds & kUnshrunk) != 0 ? kNumBands - 1u : 0u;
 }
 
-// Sets Tile::z_limit to a band: a thin one over the lowest point of the bounds, a thin and a thicker one over the skin, where callers put
-// the lowest point of a tilted object, at last all heights. `lowest_bound`: of the objects. Returns the number of the next band.
+// Sets Tile::z_limit to a band and returns the number of the next one. Band 0 is thin and begins at `lowest_bound`, the lower bound of the
+// objects. Bands 1 (thin) and 2 (thick) begin at the skin, because callers put the lowest point of a tilted object there, above its lower
+// bound. Band 3 has all heights.
 uint setBand(inout Tile tile, float lowest_bound, uint number) {
   const float kThin = THICKNESS / 8.0, kThick = THICKNESS / 2.0;
   float touch = number == 0 ? lowest_bound : max(lowest_bound, 0.0);
@@ -53,7 +54,8 @@ void clearForNextBand(Tile tile, Box samples) {
 
 bool hasAllHeights(Tile tile) { return tile.z_limit >= kNoHeight; }
 
-// Depth of the lowest sample, whose height over Tile::z_base is `lowest`, up to which the tile has all samples that press.
+// Returns the largest depth of the lowest sample for which the tile has all samples that press. `lowest`: height of that sample over
+// Tile::z_base.
 float mostDepth(Tile tile, float lowest) {
   const float kRounding = 1e-7;  // m, of heights and of the limit
   if (hasAllHeights(tile)) return THICKNESS;

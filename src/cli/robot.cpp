@@ -1,4 +1,4 @@
-// `taxelsim robot FILE`: joints and sensors of a robot file, where the sensors are and which way they face, and a picture.
+// `taxelsim robot FILE`: prints the joints of a robot file and the places and directions of its sensors, and draws the robot.
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/fmt/ranges.h>
 
@@ -140,7 +140,7 @@ int runRobot(const RobotArguments& arguments) {
 }  // namespace
 
 void addRobot(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("robot", "Show joints and sensors of a robot file, where the sensors are and which way they face");
+  CLI::App* command = app.add_subcommand("robot", "Show the joints of a robot file, and the places and directions of its sensors");
   command->footer(
       "Example:\n  taxelsim robot scenes/robots/shadow_hand.yaml --joint FFJ3=20 --png hand.png\n"
       "Poses are in the world, at the initial joint positions unless --joint changes them.");

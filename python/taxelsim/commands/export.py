@@ -40,7 +40,7 @@ def _parser() -> argparse.ArgumentParser:
     add("--format", required=True, metavar="NAME", help=formats)
     add("-o", "--out", required=True, type=Path, metavar="OUT", help="must not exist; called OUT.incomplete until it is complete")
     add("--episodes", type=_range, metavar="A..B", help="only these episodes, both ends included; default: all")
-    add("--sensor", metavar="NAME", help="of a data set of several sensors: only this one; default: all")
+    add("--sensor", metavar="NAME", help="exports only this sensor of a data set of kind grasp; default: all")
     add("--state", type=_names, default=(), metavar="NAMES", help="columns of the state; default: joint positions and pose of the sensor")
     add("--columns", type=_names, default=(), metavar="NAMES", help="further columns, e.g. data/total_force,data/center_of_pressure")
     add("--tactile-in-state", action="store_true", help="appends the tactile image to the state, for policies that read nothing else")

@@ -27,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="ID",
         help="of the card, as the Hub names licences: cc-by-4.0, apache-2.0, ...; default unknown",
     )
-    add("--sensor", metavar="NAME", help="of a data set of several sensors; default: the first")
+    add("--sensor", metavar="NAME", help="sensor of a data set of kind grasp; default: the first")
     add("--max-frames", type=int, default=MAX_FRAMES, metavar="N", help=f"samples a larger data set; default {MAX_FRAMES:,}")
     add("--range", type=float, metavar="COUNTS", help="brightest colour of the examples; default: the 99.9th percentile of the data set")
     add("--assets", type=Path, action="append", default=[], metavar="DIR", help="folder with a URDF or taxel mesh of the scene; repeatable")

@@ -37,8 +37,8 @@ class Dataset:
     folder: the directory. Missing shards and a damaged dataset.h5 raise InputError.
     cache_bytes: limit of the inflated chunks of compressed columns that stay in memory, per process.
 
-    sensor: of a data set of several sensors, as of kind grasp: shows its columns data/SENSOR/NAME as data/NAME, and hides those of the
-        others, so that what works on one sensor works on this one.
+    sensor: name of a sensor, for data sets of kind grasp. Its columns data/SENSOR/NAME appear as data/NAME; those of other sensors are
+        hidden. Code for data sets of one sensor then works on it.
     isolated: for data sets from strangers, of format 1 above all: HDF5 reads in child processes with limits of memory and time, so that
         a file that crashes or hangs it raises InputError. Slower, as each read starts a process; needs no h5py.
 
@@ -194,7 +194,7 @@ class Dataset:
 
 
 def dataset_of_one_sensor(folder: str | PathLike[str], sensor: str | None = None) -> Dataset:
-    """A data set, from a stranger, as one sensor shows it: that of this name, or the first of several. Raises InputError."""
+    """Opens a data set with the columns of one sensor: the named one, or the first. Reads in child processes. Raises InputError."""
     data = Dataset(folder, isolated=True, sensor=sensor)
     return data if sensor or not data.sensors else Dataset(folder, isolated=True, sensor=data.sensors[0])
 

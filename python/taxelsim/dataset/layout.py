@@ -53,7 +53,7 @@ class Layout:
 
 
 def label_of(columns: Container[str]) -> str | None:
-    """The column that names what touches in each episode: the object, or the file of recorded contact points; None if all are the same."""
+    """The column with the name of the object, or of the file of contact points, of each episode; None if all have the same objects."""
     return next((name for name in ("meta/contact_points", "meta/object_name") if name in columns), None)
 
 

@@ -16,9 +16,10 @@ from .._arguments import checked_count, checked_names, checked_positive
 from .._core import Device, Model, OutputOptions, Scene, load_scene
 from ..errors import InputError
 from ..frame import Frame
+from ..inputs import NO_OBJECT
 from ..pictures import TactilePictures, noise_of
 from ..program import SCENES
-from ..simulator import NO_OBJECT, Simulator
+from ..simulator import Simulator
 from .draws import each, uniform_numbers
 from .env import EpisodicEnv
 from .episodic import EpisodicVectorEnv, Mask

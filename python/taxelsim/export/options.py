@@ -10,7 +10,7 @@ class Options:
     """Options of an export. Formats ignore none of them: `export` refuses an option that a format does not have."""
 
     episodes: tuple[int, int] | None = None  #: First and last episode, both included. None: all.
-    sensor: str | None = None  #: Of a data set of several sensors: only this one. None: all.
+    sensor: str | None = None  #: Exports only this sensor of a data set of kind grasp. None: all sensors.
     state: tuple[str, ...] = ()  #: Columns of the state. Empty: joint positions and pose of the sensor, where recorded.
     columns: tuple[str, ...] = ()  #: Further columns of data/.
     tactile_in_state: bool = False  #: Appends the tactile image to the state, for policies that read the state only.

@@ -26,14 +26,14 @@ _ENCODINGS = {("uint16", 1): "mono16", ("int32", 1): "32SC1", ("int32", 3): "32S
 
 @dataclass(frozen=True)
 class _Topic:
-    """A column as messages. Several sensors have a topic each, of a group of columns or of an axis of sensors."""
+    """A column as messages. Each of several sensors has its own topic."""
 
     name: str
     column: str
     schema: str
     frame: str  #: Of the header: S is called sensor, W world.
     content: Callable[[NDArray[Any]], dict[str, Any]]
-    sensor: str = ""  #: Of a group of columns.
+    sensor: str = ""  #: Sensor that has the column; empty in data sets of one kind of sensor.
 
 
 def _vector(values: NDArray[Any]) -> dict[str, float]:

@@ -73,7 +73,7 @@ class Source:
         self.has_success = SUCCESS in self.data
         self._label = label_of(self.data)
         self.episode_columns = tuple(name for name in (self._label, SUCCESS) if name and name in self.data)
-        """Columns in meta/ that name what touches, and say whether the task was met, where recorded."""
+        """Columns in meta/ with the label and the success of each episode, where recorded."""
 
     @property
     def num_episodes(self) -> int:

@@ -7,7 +7,8 @@ import numpy.typing as npt
 
 from .._core import OutputOptions
 from ..frame import GroundTruth
-from ..simulator import NO_OBJECT, Simulator
+from ..inputs import NO_OBJECT
+from ..simulator import Simulator
 from .poses import Array
 from .slots import touch_sphere
 from .stiffness import Probe, Shear, damping_factor, has_device_jacobian, restoring

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .._core import Sensor
 from ..errors import InputError
-from ..simulator import NO_OBJECT
+from ..inputs import NO_OBJECT
 from .geoms import Geom
 
 MAX_SLOTS = 8  # of a Simulator

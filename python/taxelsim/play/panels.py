@@ -80,7 +80,7 @@ class Panels:
         self._time += step_time(view.sensor)
         # Without a prediction its line lies under that of the truth: uPlot draws no axis for values that are not numbers.
         both = (expected or view.truth, view.truth)
-        angles = [_beside(f.edge_angle, self._angle) for f in both]
+        angles = [_continued(f.edge_angle, self._angle) for f in both]
         self._angle = angles[1]
         self._points.append((self._time, *(f.total_force for f in both), *map(math.degrees, angles)))
         time, *curves = np.array(self._points).T
@@ -88,8 +88,8 @@ class Panels:
             plot.data = (time, *values)
 
 
-def _beside(angle: float, last: float) -> float:
-    """The angle of the same line that is nearest to `last`, rad: an edge turns on beyond 90 degrees."""
+def _continued(angle: float, last: float) -> float:
+    """The angle of the same line that is nearest to `last`, rad, so that a curve continues beyond 90 degrees."""
     return angle - math.pi * round((angle - last) / math.pi)
 
 

@@ -9,12 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._arrays import rotation_matrices
-from .._core import Model, OutputOptions
 from ..frame import Frame
-from ..simulator import Simulator
-
-OUTPUTS = OutputOptions(clean_tactile_jacobian=True, clean_contact_features=True, taxel_jacobian=True)
-"""Outputs that a linearisation needs."""
 
 
 @dataclass(frozen=True)
@@ -56,17 +51,12 @@ def features_of(frame: Frame) -> Features:
 
 
 def linearization_of(frame: Frame, pose: NDArray[np.float64]) -> Linearization:
-    """From the first instance of a frame with OUTPUTS, with one object at `pose`."""
+    """From the first instance of a frame with the outputs of outputs_for(), with one object at `pose`."""
     truth = frame.ground_truth
     rows = [truth.jacobian.total_force[0, :1], truth.jacobian.center_of_pressure[0, 0], truth.jacobian.edge_angle[0, :1]]
     forces = np.array(truth.tactile_normal_force[0], np.float64).reshape(-1)
     by_twist = np.array(truth.taxel_jacobian[0], np.float64).reshape(6, -1)
     return Linearization(pose, forces, features_of(frame), by_twist, np.concatenate(rows).astype(np.float64))
-
-
-def linearizing_simulator(model: Model) -> Simulator:
-    """A simulator of one instance with OUTPUTS. Raises InputError for a sensor that has no Jacobian."""
-    return Simulator(model, outputs=OUTPUTS)
 
 
 def twist_between(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 
 from .._arrays import rotation_matrices
 from .._core import Device, Model, Object, Sensor, lowest_point
+from .._differentiation import outputs_for
 from ..errors import InputError
 from ..frame import Frame
 from ..simulator import Simulator
 from .changes import Changes, changed_sensor
-from .prediction import Features, Linearization, features_of, linearization_of, linearizing_simulator
+from .prediction import Features, Linearization, features_of, linearization_of
 
 DEFAULT_STEP = 0.01
 """s, for sensors that report a frame at every step; 1 / DEFAULT_STEP is the default simulation_rate of scenes."""
@@ -138,7 +139,7 @@ class Press:
         view = self._view
         if view is None:
             raise InputError("linearize: there is no frame yet")
-        simulator = linearizing_simulator(self._simulator.model)
+        simulator = Simulator(self._simulator.model, outputs=outputs_for())
         for settings in view.path:
             frame = self._step(simulator, settings)
         return linearization_of(frame, view.pose)

@@ -24,7 +24,7 @@ def _numbers(values: Any) -> str:
 
 
 def program_text(view: View, item: Item) -> str:
-    """A program that computes the tactile image of a view, step by step along its path. A mesh file lies beside the program."""
+    """A program that computes the tactile image of a view, step by step along its path. It reads a mesh file from the current folder."""
 
     def step_of(s: Settings) -> str:
         return f"    ([{_numbers(s.row)}], [{_numbers(lowest_point(item.object, s.rotation))}], {s.load!r}),"

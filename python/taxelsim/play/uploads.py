@@ -12,7 +12,7 @@ from pathlib import Path, PurePath
 import numpy as np
 
 from .. import _mesh_child as child
-from .._core import Mesh
+from .._core import LONGEST_PLAUSIBLE, Mesh
 from ..errors import InputError
 
 SUFFIXES = (".stl", ".obj", ".ply", ".glb")
@@ -24,7 +24,6 @@ MAX_TRIANGLES = 200_000
 FILE_UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 0.0254}
 """Metres per unit of a file."""
 _MAX_LINE = 400  # characters of an error
-_LARGEST_PART = 0.5  # m; what is larger in metres is likely to be in millimetres
 
 
 def checked_name(name: str) -> str:
@@ -75,8 +74,8 @@ class Upload:
 
     @property
     def likely_unit(self) -> str:
-        """A key of FILE_UNITS: "mm" for what would be larger than 0.5 m in metres."""
-        return "mm" if max(self.sides) > _LARGEST_PART else "m"
+        """A key of FILE_UNITS: "mm" for a mesh that is implausibly long in metres."""
+        return "mm" if max(self.sides) > LONGEST_PLAUSIBLE else "m"
 
     def mesh(self, unit: str, up_axis: str, max_depth_error: float) -> Mesh:
         """The simplified mesh. unit: a key of FILE_UNITS. Raises InputError."""

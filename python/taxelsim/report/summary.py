@@ -126,8 +126,7 @@ def summarize(data: Dataset, max_frames: int = MAX_FRAMES, assets: Sequence[Path
     from .examples import examples_of
 
     if TACTILE_IMAGE not in data:
-        several = f", which is shown of one of the sensors {', '.join(data.sensors)}" if data.sensors and not data.sensor else ""
-        raise InputError(f"{data.folder}: no column {TACTILE_IMAGE}{several}; add tactile_image to `record` of the scene")
+        raise InputError(f"{data.folder}: no column {TACTILE_IMAGE}; add tactile_image to `record` of the scene")
     provenance = Provenance.of(data.folder)
     sample = Sample(data, max_frames)
     names = [data[name] for name in data.columns]

@@ -101,15 +101,6 @@ def _row_of(data: Dataset, number: int) -> int:
     return int(rows[0])
 
 
-def _episodes_of_all(folder: Path, isolated: bool, scene: Scene, numbers: Sequence[int] | None) -> list[Episode]:
-    """The episodes; of several sensors with columns of their own one for each sensor, the sensors of an episode one after the other."""
-    data = Dataset(folder, isolated=isolated)
-    if not data.sensors:
-        return _episodes(data, scene, numbers)
-    parts = [_episodes(Dataset(folder, isolated=isolated, sensor=name), scene, numbers) for name in data.sensors]
-    return [episode for group in zip(*parts, strict=True) for episode in group]
-
-
 def _episodes(data: Dataset, scene: Scene, numbers: Sequence[int] | None) -> list[Episode]:
     for needed in ("data/time", "data/tactile_image"):
         if needed not in data:
@@ -130,14 +121,16 @@ def _simulated(scene: Scene, numbers: Sequence[int] | None, device: Device | Non
 
 
 def _source(folder: Path, isolated: bool, scene: Scene, missing: set[int], numbers: Sequence[int] | None, range: float | None) -> Source:
-    episodes = _episodes_of_all(folder, isolated, scene, numbers)
-    shown = [Dataset(folder, isolated=isolated, sensor=name) for name in dict.fromkeys(episode.name or None for episode in episodes)]
-    ranges = {
-        name: max(range_of(data, name, range) for data in shown if name in data)
-        for name in (TACTILE_IMAGE, TAXEL_COUNTS)
-        if any(name in data for data in shown)
-    }
-    return Source(scene, missing, episodes, ranges)
+    """Each of several sensors with columns of their own has an Episode; those of one episode follow each other."""
+    data = Dataset(folder, isolated=isolated)
+    parts = [Dataset(folder, isolated=isolated, sensor=name) for name in data.sensors] or [data]
+    groups = zip(*(_episodes(part, scene, numbers) for part in parts), strict=True)
+    ranges: dict[str, float] = {}
+    for name in (TACTILE_IMAGE, TAXEL_COUNTS):
+        found = [range_of(part, name, range) for part in parts if name in part]
+        if found:
+            ranges[name] = max(found)
+    return Source(scene, missing, [episode for group in groups for episode in group], ranges)
 
 
 def open_source(

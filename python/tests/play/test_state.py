@@ -77,7 +77,7 @@ PRESSING, SLIDING = 0.1, 0.6
 
 @pytest.mark.parametrize(("moved", "missed"), [({"depth": 3.3e-5}, PRESSING), ({"x": 1e-5}, SLIDING), ({"y": 1e-4}, SLIDING)])
 def test_the_jacobian_predicts_small_motions(press, moved, missed):
-    """Beside the forecast that nothing changes."""
+    """The baseline predicts that nothing changes."""
     settings = fresh(Settings(rotation=ROTATION, depth=3e-5))
     press.view(settings)
     linear = press.linearize()
