@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <span>
@@ -74,6 +75,9 @@ struct SimulatorOptions {
   double contact_band = 1e-4;  ///< m, 0 to 1: contact points up to this height above the undeformed skin count; the skin's thickness below.
   /// Whether reset() takes a SkinVariation. The kernels then read factors per instance. Refused with contact points and tactile Jacobians.
   bool vary_skin = false;
+  /// Whether other interfaces of the device import the outputs, exportOutputs(). The host then gets features only where it cannot read
+  /// memory of the device. Refused by drivers that export no memory.
+  bool export_outputs = false;
   /// Whether timing() reports seconds. Software Vulkan wakes its threads for every time stamp, about 0.2 ms per step.
   bool device_clock = false;
 };
@@ -133,6 +137,10 @@ struct StepTiming {
   double total = 0;      ///< All passes.
   int num_coherent = 0;  ///< Instances whose contact pass tested only the triangles that an earlier step found near.
 };
+
+/// Imports memory of the device into another interface: a descriptor that the callee owns, and the bytes of the memory. Returns its address
+/// there.
+using ImportMemory = std::function<const void*(int descriptor, std::uint64_t bytes)>;
 
 /// What a simulator has exchanged with its device since its construction. Kernels and constants of the model are left out.
 struct DeviceTraffic {
@@ -238,6 +246,21 @@ class Simulator {
   /// without OutputOptions::vjp, for a wrong length, and for a number or a product of cotangent and gain that is not finite; Error(kDevice)
   /// if the device was lost; std::logic_error between step() and read(), and before the first frame.
   GradientView vjp(std::span<const float> cotangent, std::span<const float> gain = {});
+
+  /// The frame in the memory of another interface, such as CUDA: exports each array of outputs once and gives it to `import`.
+  ///
+  /// The spans hold addresses of that interface, which the host must not read. They stay the same and show each frame that has ended; the
+  /// imported memory must be released before the simulator. Integers and flags are arrays of the device too. Call it once, before the first
+  /// step(). Throws std::logic_error without SimulatorOptions::export_outputs, Error(kDevice) if the driver refuses, and what `import`
+  /// throws.
+  FrameView exportOutputs(const ImportMemory& import);
+  /// A descriptor of the timeline semaphore that orders steps and consumers, which the caller owns; -1 if the driver exports none. With
+  /// export_outputs a step() may follow another without read(): it waits on the host until the one before has ended.
+  int exportTimeline() const;
+  /// Value of the timeline at the end of the last step(), an even number.
+  std::uint64_t endOfStep() const;
+  /// The next step() begins on the device when the timeline has reached endOfStep() + 1, which a consumer of the last frame signals.
+  void beginAfterConsumer();
 
   StepTiming timing() const;      ///< Times of the last frame read.
   DeviceTraffic traffic() const;  ///< Counts since construction. A step() counts at once, before its read().

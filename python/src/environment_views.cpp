@@ -24,7 +24,7 @@ nb::object arrayOf(std::span<const Source> values, std::initializer_list<std::si
 nb::dict arraysOf(const EnvironmentView& view, const Sensor& sensor, int num_sensors, nb::handle owner) {
   const std::size_t n = view.active.size(), s = static_cast<std::size_t>(num_sensors), joints = view.joint_positions.size() / n;
   nb::dict arrays;
-  arrays["frame"] = arraysOf(view.frame, sensor, static_cast<int>(n * s), owner);
+  arrays["frame"] = arraysOf(view.frame, sensor, static_cast<int>(n * s), {owner});
   arrays["active"] = arrayOf<bool>(view.active, {n}, owner);
   arrays["control_due"] = arrayOf<bool>(view.control_due, {n}, owner);
   arrays["episodes"] = arrayOf<std::uint64_t>(view.episodes, {n}, owner);

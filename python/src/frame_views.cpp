@@ -1,6 +1,6 @@
 #include "frame_views.h"
 
-#include <nanobind/ndarray.h>
+#include <nanobind/stl/vector.h>
 
 #include <initializer_list>
 #include <type_traits>
@@ -9,10 +9,15 @@
 namespace taxelsim::python {
 namespace {
 
+template <typename Element>
+const char* typeName() {
+  return std::is_same_v<Element, float> ? "float32" : std::is_same_v<Element, bool> ? "bool" : "int32";
+}
+
 // The arrays of one view: rows first, then the shape of a row.
 class Arrays {
  public:
-  Arrays(std::vector<std::size_t> rows, nb::handle owner) : rows_(std::move(rows)), owner_(owner) {}
+  Arrays(std::vector<std::size_t> rows, ArrayOwner owner) : rows_(std::move(rows)), owner_(owner) {}
 
   template <typename T>
   void add(const char* name, std::span<const T> values, const std::vector<std::size_t>& row = {}) {
@@ -36,11 +41,17 @@ class Arrays {
     using Element = std::conditional_t<std::is_enum_v<T> || std::is_same_v<T, std::uint32_t>, std::int32_t, T>;
     static_assert(sizeof(Element) == sizeof(T));
     const auto* const data = reinterpret_cast<const Element*>(values.data());
-    arrays_[name] = nb::ndarray<nb::numpy, const Element>(data, shape.size(), shape.data(), owner_).cast();
+    if (owner_.device.type == nb::device::cpu::value) {
+      arrays_[name] = nb::ndarray<nb::numpy, const Element>(data, shape.size(), shape.data(), owner_.object).cast();
+      return;
+    }
+    nb::ndarray<nb::array_api, const Element> array(data, shape.size(), shape.data(), owner_.object, nullptr, nb::dtype<Element>(),
+                                                    owner_.device.type, owner_.device.number);
+    arrays_[name] = nb::make_tuple(array.cast(), nb::tuple(nb::cast(shape)), typeName<Element>());
   }
 
   std::vector<std::size_t> rows_;
-  nb::handle owner_;
+  ArrayOwner owner_;
   nb::dict arrays_;
 };
 
@@ -62,7 +73,7 @@ void addFeatures(const FeatureView& view, Arrays& arrays) {
   TAXELSIM_IMAGE_FEATURES(TAXELSIM_ADD)
 }
 
-void addContact(const ContactFeatureView& view, std::size_t num_instances, nb::handle owner, Arrays& parent) {
+void addContact(const ContactFeatureView& view, std::size_t num_instances, ArrayOwner owner, Arrays& parent) {
   if (view.num_rows == 0) return;
   Arrays arrays({num_instances, static_cast<std::size_t>(view.num_rows)}, owner);
   addFeatures(view, arrays);
@@ -77,7 +88,7 @@ void addWrench(const CleanTactileJacobianView& view, Arrays& arrays) {
 }
 
 template <typename View>
-void addJacobian(const View& view, std::size_t num_instances, nb::handle owner, Arrays& parent) {
+void addJacobian(const View& view, std::size_t num_instances, ArrayOwner owner, Arrays& parent) {
   if (view.num_rows == 0) return;
   Arrays arrays({num_instances, static_cast<std::size_t>(view.num_rows)}, owner);
   TAXELSIM_JACOBIAN_FEATURES(TAXELSIM_ADD_DERIVATIVE)
@@ -103,7 +114,7 @@ void addTaxels(const char* name, std::span<const T> values, const Sensor& sensor
 #define TAXELSIM_ADD_TAXELS(name, block, type, leading, components, ...) \
   addTaxels(#name, view.name, sensor, arrays, shapeOf(leading), shapeOf(components));
 
-nb::dict groundTruthOf(const GroundTruthView& view, const Sensor& sensor, std::size_t num_instances, nb::handle owner) {
+nb::dict groundTruthOf(const GroundTruthView& view, const Sensor& sensor, std::size_t num_instances, ArrayOwner owner) {
   Arrays arrays({num_instances}, owner);
   addFeatures(view, arrays);
   TAXELSIM_TRUE_TAXELS(TAXELSIM_ADD_TAXELS)
@@ -115,7 +126,7 @@ nb::dict groundTruthOf(const GroundTruthView& view, const Sensor& sensor, std::s
 
 }  // namespace
 
-nb::dict arraysOf(const FrameView& view, const Sensor& sensor, int num_instances, nb::handle owner) {
+nb::dict arraysOf(const FrameView& view, const Sensor& sensor, int num_instances, ArrayOwner owner) {
   const auto n = static_cast<std::size_t>(num_instances);
   Arrays arrays({n}, owner);
   addFeatures(view, arrays);

@@ -1,14 +1,28 @@
 // The arrays of a frame in Python.
 #pragma once
 
+#include <nanobind/ndarray.h>
+
 #include "bind.h"
 #include "taxelsim/sensor.h"
 #include "taxelsim/simulator.h"
 
 namespace taxelsim::python {
 
-// Read-only arrays over the memory of `frame`, by name, with the batch as first axis. Each array keeps `owner` alive. Nested views are
-// dicts. Outputs that were not requested are missing.
-nb::dict arraysOf(const FrameView& frame, const Sensor& sensor, int num_instances, nb::handle owner);
+// The device of DLPack that has the memory of arrays.
+struct ArrayDevice {
+  int type = nb::device::cpu::value;
+  int number = 0;
+};
+
+// What the arrays of a view have in common.
+struct ArrayOwner {
+  nb::handle object;  // which each array keeps alive
+  ArrayDevice device = {};
+};
+
+// Read-only arrays over the memory of `frame`, by name, with the batch as first axis. Nested views are dicts. Outputs that were not
+// requested are missing. Arrays of the host are NumPy's; others are tuples: an object with __dlpack__(), shape, name of the type.
+nb::dict arraysOf(const FrameView& frame, const Sensor& sensor, int num_instances, ArrayOwner owner);
 
 }  // namespace taxelsim::python

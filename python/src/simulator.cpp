@@ -15,6 +15,7 @@
 
 #include "frame_views.h"
 #include "handles.h"
+#include "shared_outputs.h"
 #include "structs.h"
 #include "without_gil.h"
 
@@ -40,7 +41,13 @@ std::span<const Element> rows(const Array& array) {
 // A Simulator that several Python threads may call: calls wait for each other, without the GIL.
 class SharedSimulator {
  public:
-  SharedSimulator(const Model& model, const SimulatorOptions& options) : simulator_(model, options) {}
+  // `platform`: interface of the GPU that outputs are shared with, if any.
+  SharedSimulator(const Model& model, const SimulatorOptions& options, std::optional<interop::Platform> platform)
+      : simulator_(model, exporting(options, platform.has_value())) {
+    if (!platform) return;
+    platform_ = *platform;
+    shared_.emplace(simulator_.get(), platform_);
+  }
   ~SharedSimulator() {
     const nb::gil_scoped_release release;  // waits for the device if a step is unread
     const std::lock_guard lock(mutex_);
@@ -58,6 +65,7 @@ class SharedSimulator {
   // `mask`: instances that begin an episode, empty for all; see Simulator::step().
   void step(double dt, std::span<const std::uint8_t> mask) {
     input("step", [&](Simulator& simulator) {
+      if (shared_) shared_->get().holdNextStep();
       if (mask.empty()) {
         simulator.step(dt);
       } else {
@@ -67,11 +75,29 @@ class SharedSimulator {
     });
   }
 
+  // With shared outputs the streams of consumers wait, not the host.
   FrameView read() {
     const WithoutGil released;
     const std::lock_guard lock(mutex_);
     running_ = false;
-    return simulator_.get().read();
+    if (!shared_) return simulator_.get().read();
+    shared_->get().releaseStep();
+    return shared_->get().frame();
+  }
+
+  // Calls `use(shared outputs)` without the GIL.
+  template <typename Use>
+  void withShared(Use use) {
+    const WithoutGil released;
+    const std::lock_guard lock(mutex_);
+    if (!shared_) throw std::logic_error("this simulator shares no outputs");
+    use(shared_->get());
+  }
+
+  // Of its arrays.
+  ArrayDevice device() const {
+    if (!shared_) return {};
+    return {platform_ == interop::Platform::kCuda ? nb::device::cuda::value : nb::device::rocm::value, shared_->get().ordinal()};
   }
 
   StepTiming timing() {
@@ -88,9 +114,16 @@ class SharedSimulator {
   int numInstances() const { return simulator_.get().numInstances(); }
 
  private:
+  static SimulatorOptions exporting(SimulatorOptions options, bool exports) {
+    options.export_outputs = exports;
+    return options;
+  }
+
   std::mutex mutex_;
   Owned<Simulator> simulator_;
-  bool running_ = false;  // a step is unread
+  interop::Platform platform_ = interop::Platform::kCuda;
+  std::optional<Owned<SharedOutputs>> shared_;  // destroyed first
+  bool running_ = false;                        // a step is unread
 };
 
 void reset(SharedSimulator& self, const Ids& instances, const Episodes& episodes, float gain, float gain_spread, float noise) {
@@ -103,6 +136,13 @@ void reset(SharedSimulator& self, const Ids& instances, const Episodes& episodes
 
 void setContacts(SharedSimulator& self, const Points& contacts, const Ids& offsets) {
   self.input("set_contacts", [&](Simulator& simulator) { simulator.setContacts(rows<ContactPoint>(contacts), rows<int>(offsets)); });
+}
+
+// `array`: one of arrays() that another interface shares; `result`: of its bytes.
+void copyToHost(SharedSimulator& self, const nb::ndarray<nb::ro>& array,
+                const nb::ndarray<std::uint8_t, nb::ndim<1>, nb::c_contig>& result) {
+  if (array.nbytes() != result.nbytes()) throw std::logic_error("copy_to_host(): wrong result");
+  self.withShared([&](SharedOutputs& shared) { shared.copyToHost(result.data(), array.data(), array.nbytes()); });
 }
 
 // `gain`: empty for 1. Results: `twist` (N x 6), `by_gain` (N x num_taxels).
@@ -158,6 +198,9 @@ void bindOptions(nb::module_& module) {
             field("max_regions", &SimulatorOptions::max_regions, "Rows of contact features for regions, 0 to 8."),
             field("contact_band", &SimulatorOptions::contact_band, "m, height above the skin up to which contact points count."),
             field("device_clock", &SimulatorOptions::device_clock, "Whether timing reports seconds."));
+  nb::enum_<interop::Platform>(module, "Platform", "Interface of a GPU that outputs are shared with.")
+      .value("CUDA", interop::Platform::kCuda, "CUDA's driver.")
+      .value("HIP", interop::Platform::kHip, "HIP, which nobody has tried.");
   nb::enum_<ContactType>(module, "ContactType", nb::is_arithmetic(), "Type of a contact; values of frame.contact.contact_type.")
       .value("NONE", ContactType::kNone, "No contact above the noise.")
       .value("POINT", ContactType::kPoint, "Length at most 2.5 taxels.")
@@ -189,10 +232,10 @@ void bindSimulator(nb::module_& module) {
   nb::class_<SharedSimulator>(module, "Simulator", "The batch behind taxelsim.Simulator.")
       .def(
           "__init__",
-          [](SharedSimulator* self, const ModelHandle& model, const SimulatorOptions& options) {
-            new (self) SharedSimulator(model.get(), options);
+          [](SharedSimulator* self, const ModelHandle& model, const SimulatorOptions& options, std::optional<interop::Platform> platform) {
+            new (self) SharedSimulator(model.get(), options, platform);
           },
-          "model"_a, "options"_a, nb::call_guard<WithoutGil>())
+          "model"_a, "options"_a, "platform"_a.none(), nb::call_guard<WithoutGil>())
       .def(
           "set_objects",
           [](SharedSimulator& self, const Ids& ids, const Poses& poses) {
@@ -219,9 +262,16 @@ void bindSimulator(nb::module_& module) {
           "arrays",
           [](nb::handle self) {
             auto& simulator = nb::cast<SharedSimulator&>(self);
-            return arraysOf(simulator.read(), simulator.model().sensor(), simulator.numInstances(), self);
+            return arraysOf(simulator.read(), simulator.model().sensor(), simulator.numInstances(), {self, simulator.device()});
           },
           nb::sig("def arrays(self) -> dict[str, typing.Any]"))
+      .def(
+          "add_consumer",
+          [](SharedSimulator& self, interop::Stream stream) {
+            self.withShared([&](SharedOutputs& shared) { shared.addConsumer(stream); });
+          },
+          "stream"_a)
+      .def("copy_to_host", &copyToHost, "array"_a, "result"_a)
       .def_prop_ro("timing", &SharedSimulator::timing)
       .def_prop_ro("traffic", &SharedSimulator::traffic);
 }

@@ -100,6 +100,7 @@ from ._core import version as __version__
 from ._log import set_log_level
 from .contact_points import ContactPoints, contact_points
 from .dataset import Dataset
+from .device_array import DeviceArray
 from .environment import Environment, EnvironmentFrame, TaskState, episode_keys
 from .errors import ArgumentError, DeviceError, Error, InputError, IoError, OutOfRangeError
 from .frame import CleanTactileJacobian, ContactFeatures, Features, Frame, GroundTruth, TactileJacobian
@@ -134,6 +135,7 @@ __all__ = [
     "DeformationMask",
     "DepthSampling",
     "Device",
+    "DeviceArray",
     "DeviceError",
     "DeviceInfo",
     "DeviceTraffic",

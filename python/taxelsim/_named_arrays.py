@@ -74,7 +74,7 @@ class Arrays:
         return type(self), (self.as_dict(), self._absent)
 
     def __repr__(self) -> str:
-        parts = (f"{name}{value.shape}" if isinstance(value, np.ndarray) else name for name, value in vars(self).items())
+        parts = (f"{name}{value.shape}" if hasattr(value, "shape") else name for name, value in vars(self).items())
         return f"<taxelsim.{type(self).__name__}: {', '.join(parts)}>"
 
 

@@ -10,28 +10,38 @@ import numpy as np
 
 from . import _core
 from ._arguments import checked_names
+from .device_array import DeviceArray
 
 Convert = Callable[[Any], Any]
+
+
+def _is_writable(array: Any) -> bool:
+    return isinstance(array, np.ndarray) and array.flags.writeable
+
+
+def _shareable(array: Any) -> Any:
+    """An array as an object of DLPack that every library takes."""
+    return _core.dlpack(array) if isinstance(array, np.ndarray) else array
 
 
 def _torch() -> Convert:
     torch = importlib.import_module("torch")
 
     def convert(array: Any) -> Any:
-        return torch.from_numpy(array) if array.flags.writeable else torch.from_dlpack(_core.dlpack(array))
+        return torch.from_numpy(array) if _is_writable(array) else torch.from_dlpack(_shareable(array))
 
     return convert
 
 
 def _jax() -> Convert:
     from_dlpack = importlib.import_module("jax").dlpack.from_dlpack
-    return lambda array: from_dlpack(_core.dlpack(array))
+    return lambda array: from_dlpack(_shareable(array))
 
 
 def _warp() -> Convert:
     warp = importlib.import_module("warp")
     warp.init()
-    return lambda array: warp.from_dlpack(_core.dlpack(array))
+    return lambda array: warp.from_dlpack(_shareable(array))
 
 
 _MAKERS: Mapping[str, Callable[[], Convert]] = {"numpy": lambda: lambda array: array, "torch": _torch, "jax": _jax, "warp": _warp}
@@ -54,4 +64,4 @@ def converted(value: Any, convert: Convert) -> Any:
         for i, part in enumerate(value):
             parts[i] = None if part is None else converted(part, convert)
         return parts
-    return convert(value) if isinstance(value, np.ndarray) else value
+    return convert(value) if isinstance(value, (np.ndarray, DeviceArray)) else value

@@ -15,10 +15,14 @@ from ._core import DeviceTraffic, MemoryPlan, Model, OutputOptions, SimulatorOpt
 from ._counts import IMAGE_UNITS, NewtonImage
 from ._first_frame import FirstFrame
 from ._log import logger
+from .device_array import on_device
 from .errors import InputError
 from .frame import Frame
 from .gradients import Gradient
 from .inputs import NO_OBJECT, Inputs, commit, new_inputs
+
+MEMORIES = ("host", "device", "cuda", "hip")
+"""Where the arrays of frames can lie, see Simulator."""
 
 
 class Simulator:
@@ -41,6 +45,7 @@ class Simulator:
         max_regions: int = 0,
         contact_band: float = 1e-4,
         device_clock: bool = False,
+        memory: str = "host",
     ) -> None:
         """Allocates all device memory. Raises InputError, with the largest size that fits, if the batch does not fit.
 
@@ -55,6 +60,9 @@ class Simulator:
         max_regions: rows of contact features for regions, 0 to 8.
         contact_band: m, contact points up to this height above the undeformed skin count.
         device_clock: whether `timing` reports seconds; costs about 0.2 ms per step on software Vulkan.
+        memory: where the arrays of frames lie. "host": NumPy's. "cuda", or "hip", which nobody has tried: DeviceArray in the memory of that
+            GPU, without a copy; read() then does not wait on the host. "device": NumPy's on software Vulkan, else "cuda".
+            Raises DeviceError where the GPU's driver cannot import the memory of the Vulkan device.
         """
         if outputs is None:
             outputs = OutputOptions(penetration_depth=max_contacts == 0)
@@ -70,15 +78,20 @@ class Simulator:
             contact_band=contact_band,
             device_clock=device_clock,
         )
-        self._batch = _core.Simulator(model, self._options)
-        arrays = self._batch.arrays()
+        platform = _platform(memory, model)
+        if platform is not None and image_unit != "counts":
+            raise InputError(f"image_unit: {image_unit!r} is not allowed where memory is {memory!r}: 'counts'")
+        self._batch = _core.Simulator(model, self._options, platform)
+        arrays = on_device(self._batch, self._batch.arrays())
         self._newtons = NewtonImage(arrays["tactile_image"], model.sensor.readout) if image_unit == "newtons" else None
         one_axis = (
             {} if model.sensor.readout.three_axis else {"taxel_counts": f"{model.sensor.name} has one-axis taxels (no readout.three_axis)"}
         )
         self._frame = Frame(arrays if self._newtons is None else {**arrays, "tactile_image": self._newtons.array}, one_axis)
-        self._first: FirstFrame | None = FirstFrame(model.sensor, "set_contacts" if max_contacts > 0 else "set_objects")
-        self._warns_of_loads = True
+        is_on_host = platform is None  # warnings read the arrays
+        setter = "set_contacts" if max_contacts > 0 else "set_objects"
+        self._first: FirstFrame | None = FirstFrame(model.sensor, setter) if is_on_host else None
+        self._warns_of_loads = is_on_host
         self._inputs: Inputs | None = None
 
     @staticmethod
@@ -260,6 +273,7 @@ class Simulator:
     def read(self) -> Frame:
         """Waits for the last step() and returns its frame: arrays over the memory of the simulator, see taxelsim.Frame.
 
+        In the memory of a GPU, the streams of the libraries that have taken the arrays wait instead, where the driver exports semaphores.
         Every call returns the same object. Before the first step() all arrays are 0, which the log warns of, as of a first frame without
         inputs, or with inputs over a metre away. Raises DeviceError if the device was lost.
         """
@@ -325,6 +339,14 @@ class Simulator:
 
     def __repr__(self) -> str:
         return f"<taxelsim.Simulator of {self.num_instances} instances of {self._model.sensor.name}>"
+
+
+def _platform(memory: str, model: Model) -> _core.Platform | None:
+    """The interface of the GPU that has the arrays of frames; None: the host has them. Raises InputError for an unknown name."""
+    (name,) = checked_names("memory", memory, MEMORIES)
+    if name == "device":
+        name = "host" if model.device.info.type == _core.DeviceType.CPU else "cuda"
+    return None if name == "host" else _core.Platform[name.upper()]
 
 
 def split_patches(sensor: _core.Sensor, taxels: npt.NDArray[Any]) -> dict[str, npt.NDArray[Any]]:

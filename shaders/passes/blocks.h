@@ -34,6 +34,7 @@
 #define BLOCK_Cotangents BLOCK(Cotangents, float, cotangents[])                  // (n x t), per N
 #define BLOCK_ForceCotangents BLOCK(ForceCotangents, float, force_cotangents[])  // (n x t), per N: times the gains of the taxels
 
+#define BLOCK_IntegerRows BLOCK(IntegerRows, uvec4, integer_rows[])  // arrays of IntegerFeatures: source, its first value, size, first word
 #define BLOCK_Servos BLOCK(Servos, ServoRecord, servos[])
 #define BLOCK_Loop BLOCK(Loop, LoopRecord, servo_loop)
 #define BLOCK_Robot BLOCK(Robot, RobotRecord, robot)
@@ -76,6 +77,8 @@
 #define BLOCK_SpreadNormal BLOCK(SpreadNormal, float, spread_normal[])  // (n x t), N
 #define BLOCK_SpreadShear BLOCK(SpreadShear, float, spread_shear[])     // (n x t x 2), N
 #define BLOCK_Features BLOCK(Features, float, features[])               // kFeature..., block after block
+#define BLOCK_IntegerFeatures \
+  BLOCK(IntegerFeatures, uint, integer_features[])  // integers and flags among the features, integer_features.comp
 #define BLOCK_ContactFeatures BLOCK(ContactFeatures, float, features[])
 #define BLOCK_TactileJacobian BLOCK(TactileJacobian, float, features[])           // kJacobian..., block after block
 #define BLOCK_SpreadJacobian BLOCK(SpreadJacobian, float, spread_jacobian[])      // (n x 6 x t), N/m and N/rad
@@ -120,6 +123,6 @@
   BLOCK_Forces BLOCK_TaxelRegions BLOCK_RegionSums BLOCK_Regions                                                \
   BLOCK_ContactCells BLOCK_TileChanges BLOCK_TaxelJacobian BLOCK_MaskedJacobian BLOCK_WrenchJacobian             \
   BLOCK_Image BLOCK_TaxelCounts BLOCK_SpreadNormal BLOCK_SpreadShear BLOCK_Features BLOCK_ContactFeatures BLOCK_TactileJacobian    \
-  BLOCK_SpreadJacobian BLOCK_TwistGradient BLOCK_GainGradient BLOCK_Problems                                                                     \
+  BLOCK_SpreadJacobian BLOCK_TwistGradient BLOCK_GainGradient BLOCK_Problems BLOCK_IntegerFeatures BLOCK_IntegerRows                                                                     \
   BLOCK_EmptyWork BLOCK_PastState BLOCK_PastTaxelStates BLOCK_LayerStrips BLOCK_ForceFours BLOCK_ResultFours BLOCK_CleanFeatureSource BLOCK_CleanContactFeatures BLOCK_CleanTactileJacobian
 // clang-format on

@@ -13,6 +13,7 @@ namespace {
 using Property = vk::MemoryPropertyFlagBits;
 
 constexpr std::size_t kTexelBytes = 16;
+constexpr auto kMemoryHandle = vk::ExternalMemoryHandleTypeFlagBits::eOpaqueFd;
 
 // The memory of a buffer consists of whole texels: viewAsTexels() would leave out a part of one.
 std::size_t wholeTexels(std::size_t bytes) {
@@ -52,22 +53,22 @@ std::string sizeText(std::size_t bytes) {
 
 }  // namespace
 
-Buffer::Buffer(Context& context, std::string name, std::size_t bytes, Domain domain)
+Buffer::Buffer(Context& context, std::string name, std::size_t bytes, Domain domain, Sharing sharing)
     : vulkan_(std::make_unique<Vulkan>()), name_(std::move(name)), bytes_(std::max(bytes, kTexelBytes)) {
   Context::Vulkan& vk_context = context.vulkan();
-  using Usage = vk::BufferUsageFlagBits;
+  const bool is_exported = sharing == Sharing::kExported;
+  const vk::ExternalMemoryBufferCreateInfo external(kMemoryHandle);
   checked("buffer \"" + name_ + "\" of " + sizeText(bytes_), "use a smaller batch size or another device", [&] {
-    vulkan_->buffer =
-        vk_context.device.createBuffer({{},
-                                        wholeTexels(bytes_),
-                                        Usage::eStorageBuffer | Usage::eUniformBuffer | Usage::eUniformTexelBuffer |
-                                            Usage::eStorageTexelBuffer | Usage::eIndirectBuffer | Usage::eTransferSrc | Usage::eTransferDst,
-                                        vk::SharingMode::eExclusive});
+    vulkan_->buffer = vk_context.device.createBuffer(
+        {{}, wholeTexels(bytes_), kBufferUsage, vk::SharingMode::eExclusive, {}, is_exported ? &external : nullptr});
     const vk::MemoryRequirements needs = vulkan_->buffer.getMemoryRequirements();
     const vk::PhysicalDeviceMemoryProperties memory = vk_context.physical.getMemoryProperties();
     const std::optional<std::uint32_t> type = chooseMemory(memory, needs.memoryTypeBits, domain);
     if (!type) throw Error(ErrorKind::kDevice, "the device has no memory for buffer \"" + name_ + "\"");
-    vulkan_->memory = vk_context.device.allocateMemory({needs.size, *type});
+    const vk::MemoryDedicatedAllocateInfo dedicated({}, *vulkan_->buffer);
+    const vk::ExportMemoryAllocateInfo exported(kMemoryHandle, &dedicated);
+    vulkan_->memory = vk_context.device.allocateMemory({needs.size, *type, is_exported ? &exported : nullptr});
+    vulkan_->memory_bytes = needs.size;
     vulkan_->buffer.bindMemory(*vulkan_->memory, 0);
     vk_context.name(vulkan_->buffer, name_);
     if (memory.memoryTypes[*type].propertyFlags & Property::eHostCoherent) {
@@ -83,6 +84,12 @@ Buffer::Buffer(Context& context, std::string name, std::size_t bytes, Domain dom
     clear.submit();
     clear.wait();
   }
+}
+
+ExportedMemory Buffer::exportMemory(Context& context) const {
+  return checked("exporting buffer \"" + name_ + "\"", "", [&] {
+    return ExportedMemory{context.vulkan().device.getMemoryFdKHR({*vulkan_->memory, kMemoryHandle}), vulkan_->memory_bytes};
+  });
 }
 
 void Buffer::viewAsTexels(Context& context) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -17,11 +18,20 @@ enum class Domain {
   kReadback,  // written by copies, read by the host; always mapped
 };
 
+// Whether other interfaces may import the memory. kExported needs Context::exports().memory.
+enum class Sharing { kPrivate, kExported };
+
+// Memory of a buffer, for an importer. Each buffer has memory of its own, which begins with its first byte.
+struct ExportedMemory {
+  int descriptor;       // a new one, which the caller owns
+  std::uint64_t bytes;  // of the memory, at least those of the buffer
+};
+
 class Buffer {
  public:
   Buffer();
   // Filled with zeros. Throws Error(kDevice), naming buffer and size, when memory runs out.
-  Buffer(Context& context, std::string name, std::size_t bytes, Domain domain);
+  Buffer(Context& context, std::string name, std::size_t bytes, Domain domain, Sharing sharing = Sharing::kPrivate);
   ~Buffer();
   Buffer(Buffer&&) noexcept;
   Buffer& operator=(Buffer&&) noexcept;
@@ -36,6 +46,9 @@ class Buffer {
   std::span<T> mappedAs() const {
     return {reinterpret_cast<T*>(mapped_.data()), mapped_.size() / sizeof(T)};
   }
+
+  // Of a buffer with Sharing::kExported. Throws Error(kDevice) if the driver refuses.
+  ExportedMemory exportMemory(Context& context) const;
 
   // Makes it readable as texels of four words; safe to call again and from several threads. Throws Error(kDevice) for more texels than the
   // device allows.

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "gpu/vulkan_buffer.h"
+#include "gpu/vulkan_timeline.h"
 
 namespace taxelsim::gpu {
 namespace {
@@ -221,13 +222,20 @@ void Commands::finish() {
   vulkan_->context.savePipelineCache();
 }
 
-void Commands::submit() {
+void Commands::submit(const Timeline* timeline, TimelinePoints points) {
   if (vulkan_->submitted) throw std::logic_error(vulkan_->name + ": submitted twice without wait()");
   finish();
   Context::Vulkan& vk_context = vulkan_->context.vulkan();
+  vk::SubmitInfo info({}, {}, *vulkan_->commands);
+  const vk::TimelineSemaphoreSubmitInfo values(points.after, points.end);
+  constexpr vk::PipelineStageFlags kAllStages = vk::PipelineStageFlagBits::eAllCommands;
+  if (timeline != nullptr) {
+    const vk::Semaphore& semaphore = *timeline->vulkan().semaphore;
+    info.setWaitSemaphores(semaphore).setWaitDstStageMask(kAllStages).setSignalSemaphores(semaphore).setPNext(&values);
+  }
   checked(vulkan_->submitting, "", [&] {
     const std::lock_guard lock(vk_context.queue_mutex);
-    vk_context.queue.submit(vk::SubmitInfo({}, {}, *vulkan_->commands), *vulkan_->fence);
+    vk_context.queue.submit(info, *vulkan_->fence);
   });
   vulkan_->submitted = true;
 }

@@ -13,6 +13,7 @@
 #include "gpu/buffer.h"
 #include "gpu/kernel.h"
 #include "gpu/pass_kernel.h"
+#include "gpu/timeline.h"
 
 namespace taxelsim::gpu {
 
@@ -49,7 +50,9 @@ class Commands {
   // Waits for the kernels and gives the list to the driver; later calls do nothing. Throws Error(kDevice) when the driver refuses a kernel.
   void finish();
   // Submits the list, finished if necessary. Does not wait for the device. Must not be called again before wait().
-  void submit();
+  void submit() { submit(nullptr, {}); }
+  // The same; the device begins when `timeline` has reached `after`, and sets it to `end` when it has ended.
+  void submit(const Timeline* timeline, TimelinePoints points);
   // Waits for the last submit(), if any; for a GPU it polls at first. Throws Error(kDevice) when the device was lost or there was a
   // validation message.
   void wait();

@@ -140,6 +140,26 @@ std::uint32_t chooseQueueFamily(const vk::raii::PhysicalDevice& device) {
   return static_cast<std::uint32_t>(chosen - families.begin());
 }
 
+// Of buffers as Buffer makes them, and of timeline semaphores.
+Exports findExports(const vk::raii::PhysicalDevice& device) {
+  const std::vector<vk::ExtensionProperties> found = device.enumerateDeviceExtensionProperties();
+  const auto has = [&](std::string_view name) {
+    return std::any_of(found.begin(), found.end(), [&](const vk::ExtensionProperties& e) { return e.extensionName.data() == name; });
+  };
+  Exports exports;
+  if (has(VK_KHR_EXTERNAL_MEMORY_FD_EXTENSION_NAME)) {
+    const auto memory = device.getExternalBufferProperties({{}, kBufferUsage, vk::ExternalMemoryHandleTypeFlagBits::eOpaqueFd});
+    exports.memory =
+        static_cast<bool>(memory.externalMemoryProperties.externalMemoryFeatures & vk::ExternalMemoryFeatureFlagBits::eExportable);
+  }
+  if (has(VK_KHR_EXTERNAL_SEMAPHORE_FD_EXTENSION_NAME)) {
+    const vk::SemaphoreTypeCreateInfo timeline(vk::SemaphoreType::eTimeline);
+    const auto semaphore = device.getExternalSemaphoreProperties({vk::ExternalSemaphoreHandleTypeFlagBits::eOpaqueFd, &timeline});
+    exports.timelines = static_cast<bool>(semaphore.externalSemaphoreFeatures & vk::ExternalSemaphoreFeatureFlagBits::eExportable);
+  }
+  return exports;
+}
+
 }  // namespace
 
 void throwDeviceError(const vk::SystemError& error, const std::string& what, const std::string& advice) {
@@ -192,7 +212,13 @@ void Context::openDevice() {
   wide_numbers_ = {.integers = features.shaderInt64 == VK_TRUE,
                    .floats = features.shaderFloat64 == VK_TRUE,
                    .shared_atomics = features12.shaderSharedInt64Atomics == VK_TRUE};
-  vulkan.device = vk::raii::Device(vulkan.physical, vk::DeviceCreateInfo({}, queue, {}, {}, &features, &features12));
+  exports_ = findExports(vulkan.physical);
+  exports_.timelines = exports_.timelines && available.get<vk::PhysicalDeviceVulkan12Features>().timelineSemaphore == VK_TRUE;
+  features12.timelineSemaphore = exports_.timelines;
+  std::vector<const char*> extensions;
+  if (exports_.memory) extensions.push_back(VK_KHR_EXTERNAL_MEMORY_FD_EXTENSION_NAME);
+  if (exports_.timelines) extensions.push_back(VK_KHR_EXTERNAL_SEMAPHORE_FD_EXTENSION_NAME);
+  vulkan.device = vk::raii::Device(vulkan.physical, vk::DeviceCreateInfo({}, queue, {}, extensions, &features, &features12));
   vulkan.queue = vulkan.device.getQueue(vulkan.queue_family, 0);
   const std::filesystem::path file = keeps_kernels_ ? cacheFile(info_) : std::filesystem::path();
   const std::string bytes = file.empty() ? std::string() : readCache(file);

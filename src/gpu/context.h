@@ -15,6 +15,12 @@ struct WideNumbers {
   bool shared_atomics = false;  // atomic operations on integers of 64 bits in shared memory
 };
 
+// What the device can hand to other interfaces of the same machine, as descriptors.
+struct Exports {
+  bool memory = false;     // of buffers: Buffer::exportMemory()
+  bool timelines = false;  // Timeline::exportDescriptor()
+};
+
 class Context {
  public:
   explicit Context(const DeviceOptions& options);
@@ -25,6 +31,8 @@ class Context {
   const DeviceInfo& info() const { return info_; }
 
   const WideNumbers& wideNumbers() const { return wide_numbers_; }
+
+  const Exports& exports() const { return exports_; }
 
   // Writes the pipeline cache to disk if there are new pipelines and DeviceOptions::keep_kernels. Errors are logged only.
   void savePipelineCache();
@@ -41,6 +49,7 @@ class Context {
   std::unique_ptr<Vulkan> vulkan_;
   DeviceInfo info_;
   WideNumbers wide_numbers_;
+  Exports exports_;
   bool keeps_kernels_ = true;
 };
 

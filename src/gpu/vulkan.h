@@ -11,6 +11,12 @@
 
 namespace taxelsim::gpu {
 
+// Every buffer can be bound in every way that a pass reads or writes.
+inline constexpr vk::BufferUsageFlags kBufferUsage =
+    vk::BufferUsageFlagBits::eStorageBuffer | vk::BufferUsageFlagBits::eUniformBuffer | vk::BufferUsageFlagBits::eUniformTexelBuffer |
+    vk::BufferUsageFlagBits::eStorageTexelBuffer | vk::BufferUsageFlagBits::eIndirectBuffer | vk::BufferUsageFlagBits::eTransferSrc |
+    vk::BufferUsageFlagBits::eTransferDst;
+
 struct Context::Vulkan {
   explicit Vulkan(vk::raii::Context&& opened) : loader(std::move(opened)) {}
 

@@ -13,6 +13,7 @@ namespace taxelsim::gpu {
 
 struct Buffer::Vulkan {
   vk::raii::DeviceMemory memory = nullptr;  // before the buffer, so that it outlives it
+  std::uint64_t memory_bytes = 0;
   vk::raii::Buffer buffer = nullptr;
   std::once_flag viewed;
   vk::raii::BufferView texels = nullptr;  // once viewAsTexels() has been called

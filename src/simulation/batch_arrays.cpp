@@ -2,6 +2,7 @@
 
 #include "shared/elastic_layer.h"
 #include "shared/features.h"
+#include "simulation/integer_features.h"
 #include "simulation/passes/interfaces.h"
 
 namespace taxelsim {
@@ -24,6 +25,14 @@ constexpr BatchArray internal(const char* name, Count count) {
 template <typename Block>
 constexpr BatchArray output(const char* name, Count count, IsRead is_read) {
   return {Block::kIndex, name, sizeof(typename Block::Element), count, gpu::Domain::kDevice, is_read};
+}
+
+// An array of frames.
+template <typename Block>
+constexpr BatchArray shown(const char* name, Count count, IsRead is_read, Export exports = Export::kOnly) {
+  BatchArray array = output<Block>(name, count, is_read);
+  array.exports = exports;
+  return array;
 }
 
 constexpr BatchArray perBatch(BatchArray array) {
@@ -84,6 +93,12 @@ std::uint64_t layerPairs(Shape s) {
 
 std::uint64_t numContactFeatures(Shape s) {
   return 1 + std::uint64_t{layout::kNumContactFeatures} * numContactRows(s.model.packed_contact, s.options.max_regions);
+}
+// Of an instance, at most.
+std::uint64_t numIntegerFeatures(Shape s) {
+  const OutputOptions& outputs = s.options.outputs;
+  const std::uint64_t contacts = (outputs.contact_features ? 1 : 0) + (outputs.clean_contact_features ? 1 : 0);
+  return kMaxIntegerRows * (1 + contacts * numContactRows(s.model.packed_contact, s.options.max_regions));
 }
 std::uint64_t numJacobianFeatures(Shape s) {
   return std::uint64_t{layout::kNumJacobian} * numContactRows(s.model.packed_contact, 0);
@@ -182,36 +197,40 @@ constexpr BatchArray kArrays[] = {
     internal<block::WrenchJacobian>("wrench Jacobian",
                                     [](Shape s) { return countIf(s.outputsJacobian(), tiles(s) * layout::kNumWrenchJacobian); }),
 
-    output<block::ContactDepth>(
+    shown<block::ContactDepth>(
         "penetration_depth", [](Shape s) { return countIf(s.options.outputs.penetration_depth, taxels(s)); },
         [](const BatchOptions& o) { return o.outputs.penetration_depth; }),
-    output<block::Image>("tactile_image", taxels, [](const BatchOptions& o) { return !o.loop || o.loop->outputs.tactile_image; }),
-    output<block::SpreadNormal>("tactile_normal_force", taxels, [](const BatchOptions& o) { return o.outputs.tactile_normal_force; }),
-    output<block::SpreadShear>(
+    shown<block::Image>("tactile_image", taxels, [](const BatchOptions& o) { return !o.loop || o.loop->outputs.tactile_image; }),
+    shown<block::SpreadNormal>("tactile_normal_force", taxels, [](const BatchOptions& o) { return o.outputs.tactile_normal_force; }),
+    shown<block::SpreadShear>(
         "tactile_shear_force",
         [](Shape s) { return countIf(s.options.outputs.tactile_shear_force || s.options.outputs.taxel_counts, 2 * taxels(s)); },
         [](const BatchOptions& o) { return o.outputs.tactile_shear_force; }),
-    output<block::TaxelCounts>(
+    shown<block::TaxelCounts>(
         "taxel_counts", [](Shape s) { return countIf(s.options.outputs.taxel_counts, 3 * taxels(s)); },
         [](const BatchOptions& o) { return o.outputs.taxel_counts; }),
-    output<block::Features>(
-        "features", [](Shape) { return std::uint64_t{layout::kNumFeatures}; }, always),
-    output<block::ContactFeatures>(
+    shown<block::Features>(
+        "features", [](Shape) { return std::uint64_t{layout::kNumFeatures}; }, always, Export::kToo),
+    shown<block::ContactFeatures>(
         "contact_features", [](Shape s) { return countIf(s.options.outputs.contact_features, numContactFeatures(s)); },
         [](const BatchOptions& o) { return o.outputs.contact_features; }),
-    output<block::CleanContactFeatures>(
+    shown<block::CleanContactFeatures>(
         "clean_contact_features", [](Shape s) { return countIf(s.options.outputs.clean_contact_features, numContactFeatures(s)); },
         [](const BatchOptions& o) { return o.outputs.clean_contact_features; }),
-    output<block::TactileJacobian>(
+    shown<block::TactileJacobian>(
         "tactile_jacobian", [](Shape s) { return countIf(s.options.outputs.tactile_jacobian, numJacobianFeatures(s)); },
         [](const BatchOptions& o) { return o.outputs.tactile_jacobian; }),
-    output<block::CleanTactileJacobian>(
+    shown<block::CleanTactileJacobian>(
         "clean_tactile_jacobian",
         [](Shape s) { return countIf(s.options.outputs.clean_tactile_jacobian, numJacobianFeatures(s) + layout::kNumWrenchJacobian); },
         [](const BatchOptions& o) { return o.outputs.clean_tactile_jacobian; }),
-    output<block::SpreadJacobian>(
+    shown<block::SpreadJacobian>(
         "taxel_jacobian", [](Shape s) { return countIf(s.options.outputs.taxel_jacobian, 6 * taxels(s)); },
         [](const BatchOptions& o) { return o.outputs.taxel_jacobian; }),
+    shown<block::IntegerFeatures>(
+        "integer features", [](Shape s) { return countIf(s.options.export_outputs, numIntegerFeatures(s)); },
+        [](const BatchOptions& o) { return o.export_outputs; }),
+    perBatch(input<block::IntegerRows>("integer rows", [](Shape s) { return countIf(s.options.export_outputs, kMaxIntegerRows); })),
     output<block::ObjectPoses>(
         "poses of objects", [](Shape s) { return countIf(isLoopOutput<&LoopOutputs::object_poses>(s.options), 7); },
         isLoopOutput<&LoopOutputs::object_poses>),

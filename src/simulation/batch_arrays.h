@@ -36,6 +36,9 @@ struct BatchShape {
 // After what the host reads an array.
 enum ReadAfter : unsigned { kAfterFrame = 1, kAfterGradient = 2 };
 
+// Whether SimulatorOptions::export_outputs exports an array: it is not read then, or is read too.
+enum class Export { kNever, kOnly, kToo };
+
 struct BatchArray {
   std::size_t block_index;  // block::...::kIndex
   const char* name;         // in messages and debuggers
@@ -45,10 +48,14 @@ struct BatchArray {
   bool (*is_read)(const BatchOptions&) = nullptr;  // whether the host reads it; nullptr: it stays on the device
   bool per_instance = true;
   unsigned read_after = kAfterFrame;  // bits of ReadAfter
+  Export exports = Export::kNever;
 
   std::uint64_t bytes(const BatchShape& shape) const { return count(shape) * element_bytes; }
   bool isReadable() const { return is_read != nullptr; }
-  bool isRead(const BatchOptions& options, ReadAfter after) const { return isReadable() && (read_after & after) != 0 && is_read(options); }
+  bool isExported(const BatchOptions& options) const { return options.export_outputs && exports != Export::kNever && is_read(options); }
+  bool isRead(const BatchOptions& options, ReadAfter after) const {
+    return isReadable() && (read_after & after) != 0 && is_read(options) && !(isExported(options) && exports == Export::kOnly);
+  }
 };
 
 std::span<const BatchArray> batchArrays();

@@ -10,11 +10,25 @@ BatchBuffers::BatchBuffers(const BatchShape& shape) {
     const std::uint64_t rows = array.per_instance ? static_cast<std::uint64_t>(shape.options.num_instances) : 1;
     const std::uint64_t bytes = rows * array.bytes(shape);
     Array& made = arrays_[array.block_index];
-    made.device = gpu::Buffer(context, array.name, bytes, array.domain);
-    if (array.isReadable() && made.device.mapped().empty()) {
+    const bool is_exported = array.isExported(shape.options);
+    made.device = gpu::Buffer(context, array.name, bytes, array.domain, is_exported ? gpu::Sharing::kExported : gpu::Sharing::kPrivate);
+    const bool host_reads = array.isReadable() && !(is_exported && array.exports == Export::kOnly);
+    if (host_reads && made.device.mapped().empty()) {
       made.readback = gpu::Buffer(context, std::string(array.name) + " readback", bytes, gpu::Domain::kReadback);
     }
+    outputs_.set(array.block_index, made.isCopied() ? made.readback.mapped() : made.device.mapped());
   }
+}
+
+OutputArrays BatchBuffers::exportOutputs(const BatchShape& shape, const ImportMemory& import) const {
+  OutputArrays imported;
+  for (const BatchArray& array : batchArrays()) {
+    if (!array.isExported(shape.options)) continue;
+    const gpu::Buffer& buffer = arrays_[array.block_index].device;
+    const gpu::ExportedMemory memory = buffer.exportMemory(shape.model.context());
+    imported.set(array.block_index, {static_cast<const std::byte*>(import(memory.descriptor, memory.bytes)), buffer.size()});
+  }
+  return imported;
 }
 
 void BatchBuffers::bindTo(gpu::Bindings& bindings) const {

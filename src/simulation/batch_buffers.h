@@ -11,6 +11,28 @@
 
 namespace taxelsim {
 
+// Arrays of outputs by block: as the host reads them, or as another interface has imported them.
+class OutputArrays {
+ public:
+  void set(std::size_t block_index, std::span<const std::byte> bytes) { arrays_[block_index] = bytes; }
+
+  // Perhaps with some elements more than the batch has.
+  template <typename Block>
+  std::span<const typename Block::Element> output() const {
+    using Element = typename Block::Element;
+    const std::span<const std::byte> bytes = arrays_[Block::kIndex];
+    return {reinterpret_cast<const Element*>(bytes.data()), bytes.size() / sizeof(Element)};
+  }
+  // The first `count` elements; none of an array that is not there.
+  template <typename Block>
+  std::span<const typename Block::Element> output(std::size_t count) const {
+    return output<Block>().first(arrays_[Block::kIndex].empty() ? 0 : count);
+  }
+
+ private:
+  std::array<std::span<const std::byte>, block::kNumBlocks> arrays_;
+};
+
 class BatchBuffers {
  public:
   explicit BatchBuffers(const BatchShape& shape);
@@ -21,11 +43,15 @@ class BatchBuffers {
     return arrays_[Block::kIndex].device.template mappedAs<typename Block::Element>();
   }
 
-  // An output as the last frame left it; perhaps with some elements more than the batch has.
+  // Outputs as the last frame left them, for the host.
+  const OutputArrays& outputs() const { return outputs_; }
   template <typename Block>
   std::span<const typename Block::Element> output() const {
-    return arrays_[Block::kIndex].host().template mappedAs<typename Block::Element>();
+    return outputs_.output<Block>();
   }
+
+  // Exports each array that SimulatorOptions::export_outputs names; returns what `import` returns for it.
+  OutputArrays exportOutputs(const BatchShape& shape, const ImportMemory& import) const;
 
   void bindTo(gpu::Bindings& bindings) const;
 
@@ -41,9 +67,9 @@ class BatchBuffers {
     gpu::Buffer readback;  // empty where device memory is mapped
 
     bool isCopied() const { return readback.size() > 0; }
-    const gpu::Buffer& host() const { return isCopied() ? readback : device; }
   };
   std::array<Array, block::kNumBlocks> arrays_;  // by index of the block; those of a model are empty
+  OutputArrays outputs_;
 };
 
 }  // namespace taxelsim

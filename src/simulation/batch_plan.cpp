@@ -125,6 +125,9 @@ void checkBatchFits(const ModelData& model, const BatchOptions& options) {
   checkRegions(options);
   checkJacobian(options);
   checkTaxelCounts(model, options);
+  if (options.export_outputs && !model.context().exports().memory) {
+    throw Error(ErrorKind::kDevice, "export_outputs: the driver of device \"" + model.device.info().name + "\" exports no memory");
+  }
   const MemoryPlan plan = planBatch(model, options);
   if (static_cast<std::uint64_t>(options.num_instances) <= plan.max_instances) return;
   throw Error(ErrorKind::kInput, "a batch of " + std::to_string(options.num_instances) + " instances of " +

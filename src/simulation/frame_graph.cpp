@@ -137,6 +137,15 @@ void recordImage(const Model::Impl& model, const BatchShape& shape, Recorder& re
   }
 }
 
+// Integers and flags where another interface imports them.
+void recordIntegers(const Model::Impl& model, const BatchShape& shape, const Recorder& recorder) {
+  const SimulatorOptions& options = shape.options;
+  if (!options.export_outputs) return;
+  model.integer_features.record(recorder, kFrameSource);
+  if (options.outputs.contact_features) model.integer_features.record(recorder, kContactSource);
+  if (options.outputs.clean_contact_features) model.integer_features.record(recorder, kCleanContactSource);
+}
+
 // Closed loops: the poses of the next frame.
 void recordLoop(const Model::Impl& model, const BatchShape& shape, const Recorder& recorder) {
   if (!shape.options.loop) return;
@@ -182,6 +191,7 @@ gpu::Commands recordFrame(const Model::Impl& model, const BatchShape& shape, con
   }
   commands.timestamp(1);
   recordImage(model, shape, recorder, kind);
+  recordIntegers(model, shape, recorder);
   recordLoop(model, shape, recorder);
   commands.timestamp(2);
   buffers.recordReadback(commands, shape.options, kAfterFrame);

@@ -5,19 +5,6 @@
 
 namespace taxelsim {
 
-template <typename T>
-std::span<const T> IntegerFeatures::convert(std::span<const float> values) {
-  static_assert(alignof(T) <= alignof(std::max_align_t));
-  if (num_used_ == arrays_.size()) arrays_.emplace_back();
-  std::vector<std::byte>& bytes = arrays_[num_used_++];
-  bytes.resize(values.size() * sizeof(T));
-  T* const first = reinterpret_cast<T*>(bytes.data());
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    new (first + i) T(static_cast<T>(static_cast<std::int32_t>(values[i])));
-  }
-  return {first, values.size()};
-}
-
 namespace {
 
 // A feature buffer: block after block, each (num_rows x width).
@@ -40,6 +27,7 @@ struct Blocks {
  private:
   template <typename View, typename Target>
   void set(const FeatureField<View>& field, Target& view, std::size_t first, std::size_t rows) const {
+    if (values.empty()) return;
     const std::span<const float> block = values.subspan(first, field.width * rows);
     std::visit([&](auto member) { assign(view.*member, block); }, field.member);
   }
@@ -72,11 +60,11 @@ Blocks fillJacobian(const ModelData& model, const SimulatorOptions& options, std
   return blocks;
 }
 
-void fillTaxels(const OutputOptions& outputs, const BatchBuffers& buffers, std::size_t num_taxels, FrameView& frame) {
+void fillTaxels(const OutputOptions& outputs, const OutputArrays& arrays, std::size_t num_taxels, FrameView& frame) {
   GroundTruthView& truth = frame.ground_truth;
-  frame.tactile_image = buffers.output<block::Image>().first(num_taxels);
+  frame.tactile_image = arrays.output<block::Image>(num_taxels);
 #define TAXELSIM_FILL(view, name, block_, components) \
-  if (outputs.name) (view).name = buffers.output<block::block_>().first((components)*num_taxels);
+  if (outputs.name) (view).name = arrays.output<block::block_>((components)*num_taxels);
 #define TAXELSIM_FILL_TRUE(name, block_, type, leading, components, ...) TAXELSIM_FILL(truth, name, block_, leading* components)
 #define TAXELSIM_FILL_MEASURED(name, block_, type, leading, components, ...) TAXELSIM_FILL(frame, name, block_, leading* components)
   TAXELSIM_TRUE_TAXELS(TAXELSIM_FILL_TRUE)
@@ -85,15 +73,15 @@ void fillTaxels(const OutputOptions& outputs, const BatchBuffers& buffers, std::
 
 }  // namespace
 
-FrameView viewOf(const ModelData& model, const BatchOptions& options, const BatchBuffers& buffers, IntegerFeatures& integers) {
+FrameView viewOf(const ModelData& model, const BatchOptions& options, const OutputArrays& arrays, IntegerFeatures& integers) {
   integers.clear();
   const auto n = static_cast<std::size_t>(options.num_instances);
   const OutputOptions& outputs = options.outputs;
   FrameView frame;
   GroundTruthView& truth = frame.ground_truth;
-  fillTaxels(outputs, buffers, n * model.num_taxels, frame);
+  fillTaxels(outputs, arrays, n * model.num_taxels, frame);
   if (options.loop && !options.loop->outputs.tactile_image) frame.tactile_image = {};
-  const Blocks blocks{buffers.output<block::Features>(), n, integers};
+  const Blocks blocks{arrays.output<block::Features>(), n, integers};
   blocks.fill(imageFeatures(), frame);
   blocks.fill(imageFeatures(), truth, layout::kNumImageFeatures);
   blocks.fill(readoutFeatures(), frame);
@@ -103,11 +91,11 @@ FrameView viewOf(const ModelData& model, const BatchOptions& options, const Batc
     truth.contact_residual = {};
     truth.contact_iterations = {};
   }
-  if (outputs.contact_features) fillContact(model, options, buffers.output<block::ContactFeatures>(), integers, frame.contact);
-  if (outputs.clean_contact_features) fillContact(model, options, buffers.output<block::CleanContactFeatures>(), integers, truth.contact);
-  if (outputs.tactile_jacobian) fillJacobian(model, options, buffers.output<block::TactileJacobian>(), integers, frame.jacobian);
+  if (outputs.contact_features) fillContact(model, options, arrays.output<block::ContactFeatures>(), integers, frame.contact);
+  if (outputs.clean_contact_features) fillContact(model, options, arrays.output<block::CleanContactFeatures>(), integers, truth.contact);
+  if (outputs.tactile_jacobian) fillJacobian(model, options, arrays.output<block::TactileJacobian>(), integers, frame.jacobian);
   if (outputs.clean_tactile_jacobian) {
-    fillJacobian(model, options, buffers.output<block::CleanTactileJacobian>(), integers, truth.jacobian)
+    fillJacobian(model, options, arrays.output<block::CleanTactileJacobian>(), integers, truth.jacobian)
         .fillLast(wrenchJacobian(), truth.jacobian, n);
   }
   return frame;

@@ -34,6 +34,7 @@ gpu::Commands& Simulator::Impl::gradientCommands(bool with_gains) {
 GradientView Simulator::vjp(std::span<const float> cotangent, std::span<const float> gain) {
   Impl& impl = *impl_;
   if (!impl.options.outputs.vjp) throw Error(ErrorKind::kInput, "vjp() needs a simulator with outputs.vjp: true");
+  impl.ownInputs();
   if (impl.running != nullptr) throw std::logic_error("vjp() was called before read() of the last step");
   if (!impl.has_frame) throw std::logic_error("vjp() was called before the first frame: call step() and read() first");
   const auto n = static_cast<std::size_t>(impl.options.num_instances);

@@ -18,6 +18,7 @@ Model::Impl::Impl(const Device& device, const ModelOptions& options, const Tunin
       contacts(data, image),
       contact_features(data, options),
       tactile_jacobian(data, options),
+      integer_features(data),
       servo(data) {
   if (data.hasMask()) deformation_mask.emplace(data, options);
   if (data.layer) heights.emplace(data, tiles);

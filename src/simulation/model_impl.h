@@ -12,6 +12,7 @@
 #include "simulation/passes/elastic_layer.h"
 #include "simulation/passes/heights.h"
 #include "simulation/passes/image.h"
+#include "simulation/passes/integer_features.h"
 #include "simulation/passes/load_search.h"
 #include "simulation/passes/servo.h"
 #include "simulation/passes/tactile_jacobian.h"
@@ -42,6 +43,7 @@ struct Model::Impl {
   ContactsPass contacts;
   ContactFeaturePasses contact_features;
   TactileJacobianPasses tactile_jacobian;
+  IntegerFeaturesPass integer_features;
   ServoPass servo;
 };
 

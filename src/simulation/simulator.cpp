@@ -82,8 +82,9 @@ Simulator::Impl::Impl(const Model& shared_model, const BatchOptions& batch_optio
   are_random.resize(clocks.size());
   for (std::size_t i = 0; i < clocks.size(); ++i) vary(i, 0, {}, {});
   traffic = {};
+  if (options.export_outputs && data().context().exports().timelines) timeline.emplace(data().context());
   if (data().hasFriction() && !takesContacts()) motions.emplace(clocks.size(), static_cast<std::size_t>(options.num_slots));
-  viewOf(data(), options, buffers, integer_features);  // allocates the arrays of integer features, so that read() does not
+  viewOf(data(), options, buffers.outputs(), integer_features);  // allocates the arrays of integer features, so that read() does not
 }
 
 void Simulator::Impl::checkInstance(int instance) const {
@@ -260,12 +261,14 @@ void Simulator::setLoad(int instance, float load) {
     refuseCall("load of instance " + std::to_string(instance) + ": " + std::to_string(load) +
                " is not allowed: none, where a skin with a globally coupled law does not face along z of the sensor frame");
   }
+  impl_->ownInputs();
   impl_->loads[static_cast<std::size_t>(instance)] = load;
   impl_->buffers.input<block::Instances>()[static_cast<std::size_t>(instance)].drive.x = load;
   impl_->traffic.bytes_to_device += sizeof(load);
 }
 
 void Simulator::Impl::takeContacts(std::size_t instance, std::span<const ContactPoint> contacts) {
+  ownInputs();
   const auto room = static_cast<std::size_t>(options.max_contacts);
   const std::span<layout::ContactRecord> packed = buffers.input<block::Contacts>().subspan(instance * room, room);
   for (std::size_t k = 0; k < contacts.size(); ++k) packed[k] = packContact(contacts[k]);
@@ -302,6 +305,7 @@ void Simulator::reset(int instance, std::uint64_t episode, const ReadoutVariatio
     if (!impl_->options.vary_skin) refuseCall("skin of instance " + std::to_string(instance) + ": a variation needs the option vary_skin");
     checkBelow("skin of instance " + std::to_string(instance), [&] { checkVariation(impl_->model.sensor(), skin); });
   }
+  impl_->ownInputs();
   impl_->vary(static_cast<std::size_t>(instance), episode, variation, skin);
   impl_->clocks[static_cast<std::size_t>(instance)] = {};
   if (impl_->motions) impl_->motions->forget(static_cast<std::size_t>(instance));
@@ -325,22 +329,24 @@ void Simulator::prepare(bool loads) {
   for (const FrameKind& kind : kinds) impl_->commands(kind).finish();
 }
 
-FrameView Simulator::read() {
-  Impl& impl = *impl_;
-  if (impl.running != nullptr) {
-    gpu::Commands& frame = *std::exchange(impl.running, nullptr);
-    frame.wait();
-    const std::span<const glm::uvec4> work = impl.buffers.output<block::Work>();
-    const std::uint32_t num_coherent = impl.keeping ? work[layout::kListCandidates].w : 0;
-    impl.timing = {frame.seconds(0, 1), frame.seconds(1, 2), frame.seconds(0, 2), static_cast<int>(num_coherent)};
-    if (impl.keeping) {
-      impl.any_candidates = work[layout::kNumLists].x > 0;
-      impl.candidate_schedule.found(impl.any_candidates);
-    }
-    impl.checkLoops();
-    impl.has_frame = true;
+void Simulator::Impl::finish() {
+  if (running == nullptr) return;
+  gpu::Commands& frame = *std::exchange(running, nullptr);
+  frame.wait();
+  const std::span<const glm::uvec4> work = buffers.output<block::Work>();
+  const std::uint32_t num_coherent = keeping ? work[layout::kListCandidates].w : 0;
+  timing = {frame.seconds(0, 1), frame.seconds(1, 2), frame.seconds(0, 2), static_cast<int>(num_coherent)};
+  if (keeping) {
+    any_candidates = work[layout::kNumLists].x > 0;
+    candidate_schedule.found(any_candidates);
   }
-  return viewOf(impl.data(), impl.options, impl.buffers, impl.integer_features);
+  checkLoops();
+  has_frame = true;
+}
+
+FrameView Simulator::read() {
+  impl_->finish();
+  return viewOf(impl_->data(), impl_->options, impl_->buffers.outputs(), impl_->integer_features);
 }
 
 StepTiming Simulator::timing() const {

@@ -9,6 +9,7 @@
 
 #include "base/thread_team.h"
 #include "gpu/commands.h"
+#include "gpu/timeline.h"
 #include "simulation/batch_buffers.h"
 #include "simulation/batch_options.h"
 #include "simulation/candidate_schedule.h"
@@ -74,6 +75,12 @@ struct Simulator::Impl {
   gpu::Commands& gradientCommands(bool with_gains);
   // Submits a list whose outputs the host reads.
   void submit(gpu::Commands& list, ReadAfter after);
+  // Waits for the running frame, if any.
+  void finish();
+  // Before the host writes inputs that a running frame reads: with exported outputs nobody has waited for it.
+  void ownInputs() {
+    if (options.export_outputs) finish();
+  }
   // Throws Error(kDevice) if the driver has cut a loop of the last commands short.
   void checkLoops() const;
 
@@ -102,7 +109,9 @@ struct Simulator::Impl {
   std::array<std::optional<gpu::Commands>, 32> recorded;
   std::array<std::optional<gpu::Commands>, 2> recorded_gradients;  // without and with gains
   gpu::Commands* running = nullptr;
-  bool has_frame = false;  // some step has been read
+  std::optional<gpu::Timeline> timeline;  // orders steps and consumers of exported outputs, where the driver exports one
+  gpu::TimelinePoints points;             // of the last step; `after`: of the next
+  bool has_frame = false;                 // some step has been read
   StepTiming timing;
   DeviceTraffic traffic;
 };

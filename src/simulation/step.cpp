@@ -82,6 +82,7 @@ std::size_t Simulator::Impl::packPoses() {
 }
 
 void Simulator::Impl::step(double dt, const Selection& selection) {
+  finish();
   layout::StepRecord step_record = stepRecord(dt, selection);
   const std::size_t num_near = packPoses();
   if (!takesContacts()) step_record.batch.y = static_cast<std::uint32_t>(num_near);
@@ -100,14 +101,15 @@ void Simulator::Impl::step(double dt, const Selection& selection) {
 }
 
 void Simulator::Impl::submit(gpu::Commands& list, ReadAfter after) {
-  list.submit();
+  list.submit(timeline ? &*timeline : nullptr, {points.after, points.end + 2});
+  points = {points.end + 2, points.end + 2};
   ++traffic.num_submits;
   traffic.bytes_from_device += buffers.bytesRead(options, after);
 }
 
 void Simulator::Impl::checkCanStep(double dt) const {
   if (!(dt > 0) || std::isinf(dt)) throw Error(ErrorKind::kInput, "dt: " + std::to_string(dt) + " is not allowed: s, > 0");
-  if (running != nullptr) throw std::logic_error("a step was taken before read() of the last one");
+  if (running != nullptr && !options.export_outputs) throw std::logic_error("a step was taken before read() of the last one");
 }
 
 void Simulator::step(double dt) {

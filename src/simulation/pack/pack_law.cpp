@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "mass_spring_damper_variants.h"
-#include "proximity_variants.h"
+#include "proximity.spv.h"
 #include "sensor/deformation_mask.h"
 #include "shared/model.h"
 
@@ -23,7 +23,9 @@ struct AddLaw {
     packed.whole_array = true;
   }
   void operator()(const DeformationMask& law) const { packed.taxel_parameters = {static_cast<float>(law.saturation_pressure)}; }
-  void operator()(const Proximity&) const { packed.taxel_passes = {{"proximity", k_proximity_variants, TaxelPass::Owner::kTile}}; }
+  void operator()(const Proximity&) const {
+    packed.taxel_passes = {{"proximity", {k_proximity_spirv, k_proximity_spirv}, TaxelPass::Owner::kTile}};
+  }
   void operator()(const ElasticLayer&) const { packed = {.reach = reach}; }
   void operator()(const LuGre& law) const {
     packed.has_bristles = true;

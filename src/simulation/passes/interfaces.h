@@ -83,6 +83,10 @@ struct ThreeAxisInterface {
 #include "passes/three_axis.h"
 };
 
+struct IntegerFeaturesInterface {
+#include "passes/integer_features.h"
+};
+
 struct ContactRegionsInterface {
 #include "passes/contact_regions.h"
 };

@@ -9,7 +9,7 @@
 #include "spread_jacobian_variants.h"
 #include "tactile_jacobian_variants.h"
 #include "taxel_jacobian_variants.h"
-#include "wrench_jacobian_variants.h"
+#include "wrench_jacobian.spv.h"
 
 namespace taxelsim {
 namespace {
@@ -57,7 +57,7 @@ void TactileJacobianPasses::recordWrench(Recorder& recorder) const {
   if (model_.layer) return;
   const auto& kernel = wrench_kernel_.get({}, [&] {
     return gpu::PassKernel<WrenchJacobianInterface>(
-        model_.context(), "wrench_jacobian", model_.profile.select(k_wrench_jacobian_variants, gpu::DriverProfile::kNoneWaits),
+        model_.context(), "wrench_jacobian", k_wrench_jacobian_spirv,
         commonConstants(model_.sensor, model_.packed, {.workgroup = kWorkgroup, .lanes = model_.packed.contact_lanes}),
         WrenchJacobianInterface{.HAS_FORCES = !std::holds_alternative<Proximity>(model_.sensor.skin.law)});
   });

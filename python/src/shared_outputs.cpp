@@ -1,0 +1,58 @@
+#include "shared_outputs.h"
+
+#include <algorithm>
+
+namespace taxelsim::python {
+
+SharedOutputs::SharedOutputs(Simulator& simulator, interop::Platform platform)
+    : simulator_(simulator), gpu_(interop::Gpu::open(platform, simulator.model().device().info().uuid)) {
+  frame_ = simulator.exportOutputs([this](int descriptor, std::uint64_t bytes) {
+    memory_.push_back(gpu_->importMemory(descriptor, bytes));
+    return reinterpret_cast<const void*>(memory_.back().address());
+  });
+  if (const int descriptor = simulator.exportTimeline(); descriptor >= 0) timeline_.emplace(gpu_->importTimeline(descriptor));
+}
+
+SharedOutputs::~SharedOutputs() {
+  try {
+    for (const interop::Stream stream : consumers_) gpu_->synchronize(stream);
+  } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): a destructor cannot report
+  }
+}
+
+void SharedOutputs::letWait(interop::Stream stream) {
+  if (timeline_) {
+    timeline_->waitFor(simulator_.endOfStep(), stream);
+  } else {
+    simulator_.read();
+  }
+}
+
+void SharedOutputs::addConsumer(interop::Stream stream) {
+  if (std::find(consumers_.begin(), consumers_.end(), stream) == consumers_.end()) consumers_.push_back(stream);
+  letWait(stream);
+}
+
+void SharedOutputs::releaseStep() {
+  for (const interop::Stream stream : consumers_) letWait(stream);
+}
+
+void SharedOutputs::holdNextStep() {
+  const std::uint64_t done = simulator_.endOfStep() + 1;
+  // One stream can signal the end of its work; for others, and if a step failed after a signal, the host waits.
+  const bool can_signal = timeline_ && consumers_.size() == 1 && signalled_ < done;
+  if (can_signal) {
+    timeline_->signal(done, consumers_.front());
+    signalled_ = done;
+    simulator_.beginAfterConsumer();
+    return;
+  }
+  for (const interop::Stream stream : consumers_) gpu_->synchronize(stream);
+}
+
+void SharedOutputs::copyToHost(void* to, const void* from, std::size_t bytes) {
+  simulator_.read();
+  gpu_->copyToHost(to, reinterpret_cast<interop::Address>(from), bytes);
+}
+
+}  // namespace taxelsim::python

@@ -1,0 +1,53 @@
+// Outputs of a simulator in the memory of another interface of its GPU.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "interop/gpu.h"
+#include "taxelsim/simulator.h"
+
+namespace taxelsim::python {
+
+// Joins the exports of a simulator with their imports, and orders steps and the streams of consumers: steps wait for the work that streams
+// had when they began, streams for the last step. Where the driver exports a timeline semaphore the device waits, else the host.
+//
+// Threads: one at a time. The simulator must outlive it.
+class SharedOutputs {
+ public:
+  // Throws Error(kDevice).
+  SharedOutputs(Simulator& simulator, interop::Platform platform);
+  ~SharedOutputs();
+  SharedOutputs(const SharedOutputs&) = delete;
+  SharedOutputs& operator=(const SharedOutputs&) = delete;
+
+  // Its spans hold addresses of the GPU.
+  const FrameView& frame() const { return frame_; }
+  // Number of the GPU.
+  int ordinal() const { return gpu_->ordinal(); }
+
+  // A stream that reads the arrays from now on. It waits for the last step.
+  void addConsumer(interop::Stream stream);
+  // All consumers wait for the last step.
+  void releaseStep();
+  // The next step waits for what the consumers have been given to do so far.
+  void holdNextStep();
+
+  // Waits for the last step on the host, and copies.
+  void copyToHost(void* to, const void* from, std::size_t bytes);
+
+ private:
+  void letWait(interop::Stream stream);
+
+  Simulator& simulator_;
+  std::shared_ptr<const interop::Gpu> gpu_;
+  std::vector<interop::ImportedMemory> memory_;
+  std::optional<interop::ImportedTimeline> timeline_;
+  FrameView frame_;
+  std::vector<interop::Stream> consumers_;
+  std::uint64_t signalled_ = 0;  // last value that a consumer was told to signal
+};
+
+}  // namespace taxelsim::python
