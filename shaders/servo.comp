@@ -72,5 +72,8 @@ void main() {
   } else {
     X_WS = moveFreeFlying(i, X_WS, twist);
   }
-  poses[i] = poseRecord(loop_starts[i].keys.z, relative(X_WS, X_WO));
+  uint object = loop_starts[i].keys.z;
+  PoseRecord record = poseRecord(object, 0, relative(X_WS, X_WO));
+  poses[i] = record;
+  if (isBehind(objects[object], record, servo_loop.base)) poses[i] = kNoPose;
 }

@@ -75,9 +75,9 @@ struct SimulatorOptions {
   double contact_band = 1e-4;  ///< m, 0 to 1: contact points up to this height above the undeformed skin count; the skin's thickness below.
   /// Whether reset() takes a SkinVariation. The kernels then read factors per instance. Refused with contact points and tactile Jacobians.
   bool vary_skin = false;
-  /// Whether other interfaces of the device import the outputs, exportOutputs(). The host then gets features only where it cannot read
-  /// memory of the device. Refused by drivers that export no memory.
-  bool export_outputs = false;
+  /// Whether other interfaces of the device import outputs and inputs, exportOutputs() and exportInputs(). The host then gets features only
+  /// where it cannot read memory of the device. Refused by drivers that export no memory.
+  bool export_memory = false;
   /// Whether timing() reports seconds. Software Vulkan wakes its threads for every time stamp, about 0.2 ms per step.
   bool device_clock = false;
 };
@@ -140,7 +140,14 @@ struct StepTiming {
 
 /// Imports memory of the device into another interface: a descriptor that the callee owns, and the bytes of the memory. Returns its address
 /// there.
-using ImportMemory = std::function<const void*(int descriptor, std::uint64_t bytes)>;
+using ImportMemory = std::function<void*(int descriptor, std::uint64_t bytes)>;
+
+/// Inputs in the memory of another interface, which writes to them.
+struct ExportedInputs {
+  std::span<std::int32_t> ids;  ///< (N x num_slots): indices into the model's objects, or kNoObject, the first value.
+  std::span<double> poses;      ///< (N x num_slots x 7): position, m, and rotation w, x, y, z of the object in S.
+  std::span<float> loads;       ///< (N): N, >= 0, or NaN, the first value, for instances that are driven by pose.
+};
 
 /// What a simulator has exchanged with its device since its construction. Kernels and constants of the model are left out.
 struct DeviceTraffic {
@@ -251,11 +258,18 @@ class Simulator {
   ///
   /// The spans hold addresses of that interface, which the host must not read. They stay the same and show each frame that has ended; the
   /// imported memory must be released before the simulator. Integers and flags are arrays of the device too. Call it once, before the first
-  /// step(). Throws std::logic_error without SimulatorOptions::export_outputs, Error(kDevice) if the driver refuses, and what `import`
+  /// step(). Throws std::logic_error without SimulatorOptions::export_memory, Error(kDevice) if the driver refuses, and what `import`
   /// throws.
   FrameView exportOutputs(const ImportMemory& import);
+  /// Inputs that every step() takes from now on, as they are when the device begins it, in place of setObjects() and setLoads(), which
+  /// throw.
+  ///
+  /// Loads need prepare(true) before. A step whose inputs are not allowed computes its instance without object, and the call that waits for
+  /// it throws Error(kInput), which names the instance. As exportOutputs(); throws Error(kInput) for contact points, and Error(kDevice)
+  /// where the device lacks numbers of 64 bits.
+  ExportedInputs exportInputs(const ImportMemory& import);
   /// A descriptor of the timeline semaphore that orders steps and consumers, which the caller owns; -1 if the driver exports none. With
-  /// export_outputs a step() may follow another without read(): it waits on the host until the one before has ended.
+  /// export_memory a step() may follow another without read(): it waits on the host until the one before has ended.
   int exportTimeline() const;
   /// Value of the timeline at the end of the last step(), an even number.
   std::uint64_t endOfStep() const;

@@ -11,7 +11,18 @@ namespace {
 
 template <typename Element>
 const char* typeName() {
-  return std::is_same_v<Element, float> ? "float32" : std::is_same_v<Element, bool> ? "bool" : "int32";
+  if constexpr (std::is_same_v<Element, bool>) return "bool";
+  if constexpr (std::is_same_v<Element, double>) return "float64";
+  return std::is_same_v<Element, float> ? "float32" : "int32";
+}
+
+// An object with __dlpack__(), the shape, the name of the type.
+template <typename Element>
+nb::tuple deviceArray(Element* data, const std::vector<std::size_t>& shape, ArrayOwner owner) {
+  using Value = std::remove_const_t<Element>;
+  nb::ndarray<nb::array_api, Element> array(data, shape.size(), shape.data(), owner.object, nullptr, nb::dtype<Value>(), owner.device.type,
+                                            owner.device.number);
+  return nb::make_tuple(array.cast(), nb::tuple(nb::cast(shape)), typeName<Value>());
 }
 
 // The arrays of one view: rows first, then the shape of a row.
@@ -45,9 +56,7 @@ class Arrays {
       arrays_[name] = nb::ndarray<nb::numpy, const Element>(data, shape.size(), shape.data(), owner_.object).cast();
       return;
     }
-    nb::ndarray<nb::array_api, const Element> array(data, shape.size(), shape.data(), owner_.object, nullptr, nb::dtype<Element>(),
-                                                    owner_.device.type, owner_.device.number);
-    arrays_[name] = nb::make_tuple(array.cast(), nb::tuple(nb::cast(shape)), typeName<Element>());
+    arrays_[name] = deviceArray(data, shape, owner_);
   }
 
   std::vector<std::size_t> rows_;
@@ -137,6 +146,18 @@ nb::dict arraysOf(const FrameView& view, const Sensor& sensor, int num_instances
   addJacobian(view.jacobian, n, owner, arrays);
   arrays.add("ground_truth", groundTruthOf(view.ground_truth, sensor, n, owner));
   return arrays.take();
+}
+
+nb::dict arraysOf(const ExportedInputs& inputs, int num_instances, ArrayOwner owner) {
+  std::vector<std::size_t> slots{static_cast<std::size_t>(num_instances)};
+  if (inputs.ids.size() > slots[0]) slots.push_back(inputs.ids.size() / slots[0]);
+  std::vector<std::size_t> poses = slots;
+  poses.push_back(7);
+  nb::dict arrays;
+  arrays["ids"] = deviceArray(inputs.ids.data(), slots, owner);
+  arrays["poses"] = deviceArray(inputs.poses.data(), poses, owner);
+  arrays["loads"] = deviceArray(inputs.loads.data(), {slots[0]}, owner);
+  return arrays;
 }
 
 }  // namespace taxelsim::python

@@ -25,4 +25,7 @@ struct ArrayOwner {
 // requested are missing. Arrays of the host are NumPy's; others are tuples: an object with __dlpack__(), shape, name of the type.
 nb::dict arraysOf(const FrameView& frame, const Sensor& sensor, int num_instances, ArrayOwner owner);
 
+// The same of inputs, for writing.
+nb::dict arraysOf(const ExportedInputs& inputs, int num_instances, ArrayOwner owner);
+
 }  // namespace taxelsim::python

@@ -15,7 +15,7 @@
 
 #include "frame_views.h"
 #include "handles.h"
-#include "shared_outputs.h"
+#include "shared_arrays.h"
 #include "structs.h"
 #include "without_gil.h"
 
@@ -87,11 +87,11 @@ class SharedSimulator {
 
   // Calls `use(shared outputs)` without the GIL.
   template <typename Use>
-  void withShared(Use use) {
+  auto withShared(Use use) {
     const WithoutGil released;
     const std::lock_guard lock(mutex_);
-    if (!shared_) throw std::logic_error("this simulator shares no outputs");
-    use(shared_->get());
+    if (!shared_) throw std::logic_error("this simulator shares no arrays");
+    return use(shared_->get());
   }
 
   // Of its arrays.
@@ -115,15 +115,15 @@ class SharedSimulator {
 
  private:
   static SimulatorOptions exporting(SimulatorOptions options, bool exports) {
-    options.export_outputs = exports;
+    options.export_memory = exports;
     return options;
   }
 
   std::mutex mutex_;
   Owned<Simulator> simulator_;
   interop::Platform platform_ = interop::Platform::kCuda;
-  std::optional<Owned<SharedOutputs>> shared_;  // destroyed first
-  bool running_ = false;                        // a step is unread
+  std::optional<Owned<SharedArrays>> shared_;  // destroyed first
+  bool running_ = false;                       // a step is unread
 };
 
 void reset(SharedSimulator& self, const Ids& instances, const Episodes& episodes, float gain, float gain_spread, float noise) {
@@ -142,7 +142,7 @@ void setContacts(SharedSimulator& self, const Points& contacts, const Ids& offse
 void copyToHost(SharedSimulator& self, const nb::ndarray<nb::ro>& array,
                 const nb::ndarray<std::uint8_t, nb::ndim<1>, nb::c_contig>& result) {
   if (array.nbytes() != result.nbytes()) throw std::logic_error("copy_to_host(): wrong result");
-  self.withShared([&](SharedOutputs& shared) { shared.copyToHost(result.data(), array.data(), array.nbytes()); });
+  self.withShared([&](SharedArrays& shared) { shared.copyToHost(result.data(), array.data(), array.nbytes()); });
 }
 
 // `gain`: empty for 1. Results: `twist` (N x 6), `by_gain` (N x num_taxels).
@@ -266,10 +266,16 @@ void bindSimulator(nb::module_& module) {
           },
           nb::sig("def arrays(self) -> dict[str, typing.Any]"))
       .def(
-          "add_consumer",
-          [](SharedSimulator& self, interop::Stream stream) {
-            self.withShared([&](SharedOutputs& shared) { shared.addConsumer(stream); });
+          "inputs",
+          [](nb::handle self) {
+            auto& simulator = nb::cast<SharedSimulator&>(self);
+            const ExportedInputs inputs = simulator.withShared([](SharedArrays& shared) { return shared.inputs(); });
+            return arraysOf(inputs, simulator.numInstances(), {self, simulator.device()});
           },
+          nb::sig("def inputs(self) -> dict[str, typing.Any]"))
+      .def(
+          "add_consumer",
+          [](SharedSimulator& self, interop::Stream stream) { self.withShared([&](SharedArrays& shared) { shared.addConsumer(stream); }); },
           "stream"_a)
       .def("copy_to_host", &copyToHost, "array"_a, "result"_a)
       .def_prop_ro("timing", &SharedSimulator::timing)

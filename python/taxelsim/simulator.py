@@ -88,10 +88,10 @@ class Simulator:
             {} if model.sensor.readout.three_axis else {"taxel_counts": f"{model.sensor.name} has one-axis taxels (no readout.three_axis)"}
         )
         self._frame = Frame(arrays if self._newtons is None else {**arrays, "tactile_image": self._newtons.array}, one_axis)
-        is_on_host = platform is None  # warnings read the arrays
+        self._is_on_host = platform is None
         setter = "set_contacts" if max_contacts > 0 else "set_objects"
-        self._first: FirstFrame | None = FirstFrame(model.sensor, setter) if is_on_host else None
-        self._warns_of_loads = is_on_host
+        self._first: FirstFrame | None = FirstFrame(model.sensor, setter) if self._is_on_host else None
+        self._warns_of_loads = self._is_on_host
         self._inputs: Inputs | None = None
 
     @staticmethod
@@ -123,7 +123,10 @@ class Simulator:
     def inputs(self) -> Inputs:
         """Writable arrays of objects and loads, or of contact points. Once they exist, every step() takes them in place of the setters."""
         if self._inputs is None:
-            self._inputs = new_inputs(self.num_instances, self.num_slots, self._options.max_contacts)
+            if self._is_on_host:
+                self._inputs = new_inputs(self.num_instances, self.num_slots, self._options.max_contacts)
+            else:
+                self._inputs = Inputs(on_device(self._batch, self._batch.inputs()))
         return self._inputs
 
     @property
@@ -259,7 +262,7 @@ class Simulator:
         Arrays of earlier frames change from now on. Raises RuntimeError if the last step has not been read, or if one of `instances` has
         taken a step since its last reset().
         """
-        if self._inputs is not None:
+        if self._inputs is not None and self._is_on_host:
             commit(self._inputs, self)
         if instances is None:
             self._batch.step(dt)

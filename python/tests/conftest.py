@@ -10,6 +10,8 @@ import pytest
 
 import taxelsim
 
+from . import cuda_standin
+
 N = 6
 
 
@@ -56,3 +58,19 @@ def poses() -> np.ndarray:
     poses = np.tile([0, 0, 0, half, half, 0, 0], (N, 1))
     poses[:, 2] = 0.0079 - 0.0001 * np.arange(N)
     return poses
+
+
+@pytest.fixture(scope="session")
+def cuda_library(tmp_path_factory: pytest.TempPathFactory) -> cuda_standin.Standin:
+    return cuda_standin.build(tmp_path_factory.mktemp("standin"))
+
+
+@pytest.fixture
+def standin(cuda_library: cuda_standin.Standin, device: taxelsim.Device) -> Iterator[cuda_standin.Standin]:
+    """The driver, which shows two devices, the second of them that of the tests. What it handed out must have come back."""
+    cuda_library.set_devices("00" * 16, device.info.uuid)
+    cuda_library.fail()
+    cuda_library.events()
+    yield cuda_library
+    cuda_library.fail()
+    assert cuda_library.num_held == 0

@@ -1,11 +1,9 @@
 """Arrays in the memory of a GPU. A stand-in for CUDA's driver, tests/interop/cuda_standin.cpp, maps what software Vulkan exports."""
 
-import ctypes
 import os
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -13,54 +11,15 @@ import pytest
 
 import taxelsim
 
+from .cuda_standin import Standin
 from .test_tensors import flat
 
-ROOT = Path(__file__).parents[2]
 N = 5
 ORDINAL = 1
 CUDA = 2  # type of the device in DLPack
 NUM_SIMULATORS = int(os.environ.get("TAXELSIM_SIMULATORS", "200"))
 """Made one after the other; a campaign makes more."""
 ALL = dict.fromkeys(("contact_features", "clean_contact_features", "tactile_jacobian", "clean_tactile_jacobian", "taxel_jacobian"), True)
-
-
-class Standin:
-    """The driver's stand-in in this process."""
-
-    def __init__(self, file: Path) -> None:
-        self._library = ctypes.CDLL(str(file))
-        self._library.standinEvents.restype = ctypes.c_char_p
-
-    def set_devices(self, *uuids: str) -> None:
-        self._library.standinSetDevices(bytes.fromhex("".join(uuids)), len(uuids))
-
-    def fail(self, call: str = "") -> None:
-        self._library.standinFail(call.encode())
-
-    @property
-    def num_held(self) -> int:
-        return int(self._library.standinNumHeld())
-
-    def events(self) -> list[str]:
-        return str(self._library.standinEvents().decode()).splitlines()
-
-
-@pytest.fixture(scope="module")
-def library(tmp_path_factory: pytest.TempPathFactory) -> Standin:
-    file = tmp_path_factory.mktemp("standin") / "libcuda.so.1"
-    options = ["-std=c++20", "-O1", "-shared", "-fPIC", f"-I{ROOT / 'src'}", "-Wl,-soname,libcuda.so.1"]
-    subprocess.run(["c++", *options, str(ROOT / "tests/interop/cuda_standin.cpp"), "-o", str(file)], check=True)
-    return Standin(file)
-
-
-@pytest.fixture
-def standin(library: Standin, device: taxelsim.Device) -> Iterator[Standin]:
-    library.set_devices("00" * 16, device.info.uuid)
-    library.fail()
-    library.events()
-    yield library
-    library.fail()
-    assert library.num_held == 0
 
 
 def descriptors() -> int:

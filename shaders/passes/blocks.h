@@ -20,8 +20,9 @@
 #define BLOCK_Mask BLOCK(Mask, vec2, mask[])  // (MASK_SOURCES / 2 x t x 2), deformation_mask: source taxel (as bits), weight
 #define BLOCK_Influence BLOCK(Influence, float, influence[])  // (node rows x 2 rows of strips), elastic layer
 #define BLOCK_Planes BLOCK(Planes, PlaneRecord, planes[])
-#define BLOCK_Neighbours BLOCK(Neighbours, uint, neighbours[])          // (NUM_NEIGHBOURS x t), of lower number
-#define BLOCK_FeatureSource BLOCK(FeatureSource, uint, feature_source)  // source of contact features: 0 the image, 1 the clean forces
+#define BLOCK_Neighbours BLOCK(Neighbours, uint, neighbours[])               // (NUM_NEIGHBOURS x t), of lower number
+#define BLOCK_LoadBounds BLOCK(LoadBounds, LoadBoundsRecord, load_bounds[])  // of objects
+#define BLOCK_FeatureSource BLOCK(FeatureSource, uint, feature_source)       // source of contact features: 0 the image, 1 the clean forces
 
 // ---- a batch: inputs ----
 #define BLOCK_Poses BLOCK(Poses, PoseRecord, poses[])          // (n x poses of the step), up to (n x num_slots)
@@ -35,6 +36,11 @@
 #define BLOCK_ForceCotangents BLOCK(ForceCotangents, float, force_cotangents[])  // (n x t), per N: times the gains of the taxels
 
 #define BLOCK_IntegerRows BLOCK(IntegerRows, uvec4, integer_rows[])  // arrays of IntegerFeatures: source, its first value, size, first word
+#define BLOCK_InputIds BLOCK(InputIds, int, input_ids[])             // (n x num_slots), as the next two for place.comp
+#define BLOCK_InputPoses BLOCK(InputPoses, double, input_poses[])    // (n x num_slots x 7), m
+#define BLOCK_InputLoads BLOCK(InputLoads, float, input_loads[])     // (n), N
+#define BLOCK_InputProblems BLOCK(InputProblems, uint, input_problems[])  // (kNumInputProblems), place.comp
+#define BLOCK_PlacedPoses BLOCK(PlacedPoses, double, placed_poses[])      // (n x num_slots x kPlacedNumbers)
 #define BLOCK_Servos BLOCK(Servos, ServoRecord, servos[])
 #define BLOCK_Loop BLOCK(Loop, LoopRecord, servo_loop)
 #define BLOCK_Robot BLOCK(Robot, RobotRecord, robot)
@@ -123,6 +129,7 @@
   BLOCK_Forces BLOCK_TaxelRegions BLOCK_RegionSums BLOCK_Regions                                                \
   BLOCK_ContactCells BLOCK_TileChanges BLOCK_TaxelJacobian BLOCK_MaskedJacobian BLOCK_WrenchJacobian             \
   BLOCK_Image BLOCK_TaxelCounts BLOCK_SpreadNormal BLOCK_SpreadShear BLOCK_Features BLOCK_ContactFeatures BLOCK_TactileJacobian    \
-  BLOCK_SpreadJacobian BLOCK_TwistGradient BLOCK_GainGradient BLOCK_Problems BLOCK_IntegerFeatures BLOCK_IntegerRows                                                                     \
+  BLOCK_SpreadJacobian BLOCK_TwistGradient BLOCK_GainGradient BLOCK_Problems BLOCK_IntegerFeatures BLOCK_IntegerRows BLOCK_LoadBounds \
+  BLOCK_InputIds BLOCK_InputPoses BLOCK_InputLoads BLOCK_InputProblems BLOCK_PlacedPoses                                                                     \
   BLOCK_EmptyWork BLOCK_PastState BLOCK_PastTaxelStates BLOCK_LayerStrips BLOCK_ForceFours BLOCK_ResultFours BLOCK_CleanFeatureSource BLOCK_CleanContactFeatures BLOCK_CleanTactileJacobian
 // clang-format on

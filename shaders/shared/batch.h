@@ -14,6 +14,12 @@ struct PoseRecord {
   vec4 object;            // index, or -1 without an object; number of the slot; 0, 0
 };
 
+// The test for objects behind the skin. R: frame of the sensor's one patch, or S.
+struct SkinBase {
+  vec4 normal_lowest;  // z of R in S; lowest height in R at which an object presses on the skin, m
+  vec4 origin;         // height of the origin of S in R, m; 0, 0, 0
+};
+
 // Motion of the object of a pose since the previous step, without what a load search adds: a point p of the object (in S, m) was displaced
 // by A p + t. Computed in double on the host, because the difference of two float32 poses would make a resting object creep.
 struct MotionRecord {
@@ -85,6 +91,11 @@ TAXELSIM_FLOAT kLoadRefining = 5.0f;  // searching below a float's resolution of
 struct LoadRecord {
   vec4 bracket;  // offset, lower bound, upper bound, m; status
   vec4 forces;   // force along -z of S at the lower bound, at the upper bound, N; rest, m; number of evaluations
+};
+
+// Bounds of an object in O, infinite ones cut, from which a search over tiles begins.
+struct LoadBoundsRecord {
+  vec4 center, half_size;  // m; 0
 };
 
 // ---- area sampling ----

@@ -2,6 +2,7 @@
 #ifndef TAXELSIM_SHADERS_SHARED_SERVO_H
 #define TAXELSIM_SHADERS_SHARED_SERVO_H
 
+#include "shared/batch.h"
 #include "shared/types.h"
 
 TAXELSIM_LAYOUT_BEGIN
@@ -36,13 +37,12 @@ TAXELSIM_CONSTANT kServoFlagWindow = 1u;  // the edge angle is the windowed one
 TAXELSIM_CONSTANT kServoFlagRidge = 2u;   // the edge angle is that of the ridge
 TAXELSIM_CONSTANT kServoFlagRegion = 4u;  // the features are those of the largest region
 
-// Constants that all loops of a batch share. R: frame of the sensor's one patch, or S.
+// Constants that all loops of a batch share.
 struct LoopRecord {
   dvec2 time;          // step of the simulation, control period, s
   dvec2 skin;          // stiffness, Pa/m; smallest pitch area of a taxel, m^2
   dvec2 array_center;  // m, in S
-  vec4 behind;         // z of R in S; lowest height in R at which an object presses on the skin, m
-  vec4 origin;         // height of the origin of S in R, m; 0, 0, 0
+  SkinBase base;
 };
 
 // Episode of an instance.

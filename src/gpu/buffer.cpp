@@ -111,21 +111,25 @@ Buffer::~Buffer() = default;
 Buffer::Buffer(Buffer&&) noexcept = default;
 Buffer& Buffer::operator=(Buffer&&) noexcept = default;
 
-Buffer makeStaticBuffer(Context& context, std::string name, std::span<const std::byte> bytes) {
-  Buffer buffer(context, name, bytes.size(), Domain::kDevice);
-  if (bytes.empty()) return buffer;
+void upload(Context& context, std::span<const std::byte> bytes, const Buffer& buffer) {
+  if (bytes.empty()) return;
   if (!buffer.mapped().empty()) {
     std::memcpy(buffer.mapped().data(), bytes.data(), bytes.size());
-    return buffer;
+    return;
   }
-  const Buffer staging(context, name + " staging", bytes.size(), Domain::kUpload);
+  const Buffer staging(context, buffer.name() + " staging", bytes.size(), Domain::kUpload);
   std::memcpy(staging.mapped().data(), bytes.data(), bytes.size());
-  Commands upload(context, "upload " + name);
-  upload.copy(staging, buffer, bytes.size());
-  upload.barrier(Access::kCopy, Access::kKernel);
-  upload.end();
-  upload.submit();
-  upload.wait();
+  Commands commands(context, "upload " + buffer.name());
+  commands.copy(staging, buffer, bytes.size());
+  commands.barrier(Access::kCopy, Access::kKernel);
+  commands.end();
+  commands.submit();
+  commands.wait();
+}
+
+Buffer makeStaticBuffer(Context& context, std::string name, std::span<const std::byte> bytes) {
+  Buffer buffer(context, std::move(name), bytes.size(), Domain::kDevice);
+  upload(context, bytes, buffer);
   return buffer;
 }
 

@@ -64,6 +64,9 @@ class Buffer {
   std::span<std::byte> mapped_;
 };
 
+// Writes the beginning of a buffer, which no kernel uses meanwhile. Waits.
+void upload(Context& context, std::span<const std::byte> bytes, const Buffer& buffer);
+
 // A device buffer with these contents. Waits for the upload.
 Buffer makeStaticBuffer(Context& context, std::string name, std::span<const std::byte> bytes);
 

@@ -35,6 +35,14 @@ constexpr BatchArray shown(const char* name, Count count, IsRead is_read, Export
   return array;
 }
 
+// An array that another interface writes.
+template <typename Block>
+constexpr BatchArray exportedInput(const char* name, Count count) {
+  BatchArray array = internal<Block>(name, count);
+  array.exports = Export::kInput;
+  return array;
+}
+
 constexpr BatchArray perBatch(BatchArray array) {
   array.per_instance = false;
   return array;
@@ -145,11 +153,16 @@ constexpr BatchArray kArrays[] = {
     perBatch(input<block::Step>("step", [](Shape) { return std::uint64_t{1}; })),
     input<block::Cotangents>("cotangents", gradientTaxels),
     input<block::ForceCotangents>("cotangents of forces", gradientTaxels),
+    exportedInput<block::InputIds>("input ids", [](Shape s) { return countIf(s.takesInputs(), slots(s)); }),
+    exportedInput<block::InputPoses>("input poses", [](Shape s) { return countIf(s.takesInputs(), 7 * slots(s)); }),
+    exportedInput<block::InputLoads>("input loads", [](Shape s) { return countIf(s.takesInputs(), 1); }),
     perBatch(input<block::Servos>("servos", [](Shape s) { return s.options.loop ? std::uint64_t{s.options.loop->servos.size()} : 0; })),
     perBatch(input<block::Loop>("loop", [](Shape s) { return loopValues(s, 1); })),
     perBatch(input<block::Robot>("robot of loops", [](Shape s) { return countIf(loopJoints(s.options) > 0, 1); })),
     input<block::LoopStarts>("starts of loops", [](Shape s) { return loopValues(s, 1); }),
 
+    internal<block::PlacedPoses>(
+        "placed poses", [](Shape s) { return countIf(s.takesInputs() && s.hasFriction(), PlaceInterface::kPlacedNumbers * slots(s)); }),
     internal<block::LoopState>("state of loops", loopStates),
     internal<block::Candidates>("candidates", [](Shape s) { return countIf(s.keeps_candidates, 1); }),
     internal<block::CandidateQuads>("candidate quads", [](Shape s) { return countIf(s.keeps_candidates, layout::kMaxCandidates); }),
@@ -228,9 +241,9 @@ constexpr BatchArray kArrays[] = {
         "taxel_jacobian", [](Shape s) { return countIf(s.options.outputs.taxel_jacobian, 6 * taxels(s)); },
         [](const BatchOptions& o) { return o.outputs.taxel_jacobian; }),
     shown<block::IntegerFeatures>(
-        "integer features", [](Shape s) { return countIf(s.options.export_outputs, numIntegerFeatures(s)); },
-        [](const BatchOptions& o) { return o.export_outputs; }),
-    perBatch(input<block::IntegerRows>("integer rows", [](Shape s) { return countIf(s.options.export_outputs, kMaxIntegerRows); })),
+        "integer features", [](Shape s) { return countIf(s.options.export_memory, numIntegerFeatures(s)); },
+        [](const BatchOptions& o) { return o.export_memory; }),
+    perBatch(input<block::IntegerRows>("integer rows", [](Shape s) { return countIf(s.options.export_memory, kMaxIntegerRows); })),
     output<block::ObjectPoses>(
         "poses of objects", [](Shape s) { return countIf(isLoopOutput<&LoopOutputs::object_poses>(s.options), 7); },
         isLoopOutput<&LoopOutputs::object_poses>),
@@ -249,6 +262,9 @@ constexpr BatchArray kArrays[] = {
     readAfter(kAfterGradient, output<block::GainGradient>("gain gradient", gradientTaxels, always)),
     readAfter(kAfterFrame | kAfterGradient, perBatch(output<block::Problems>(
                                                 "problems", [](Shape) { return std::uint64_t{1}; }, always))),
+    perBatch(output<block::InputProblems>(
+        "input problems", [](Shape) { return std::uint64_t{PlaceInterface::kNumInputProblems}; },
+        [](const BatchOptions& o) { return o.export_memory; })),
     perBatch(output<block::Work>(
         "work", [](Shape) { return std::uint64_t{layout::kNumWorkRows}; }, always)),
 };

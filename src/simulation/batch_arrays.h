@@ -26,6 +26,7 @@ struct BatchShape {
   bool keeps_candidates = false;  // between steps
 
   bool takesContacts() const { return options.max_contacts > 0; }
+  bool takesInputs() const { return options.export_memory && !takesContacts(); }
   bool hasFriction() const { return model.hasFriction() && !takesContacts(); }
   bool hasLayer() const { return model.layer.has_value() && !takesContacts(); }
   bool outputsShear() const { return hasFriction() && (options.outputs.tactile_shear_force || options.outputs.taxel_counts); }
@@ -36,8 +37,8 @@ struct BatchShape {
 // After what the host reads an array.
 enum ReadAfter : unsigned { kAfterFrame = 1, kAfterGradient = 2 };
 
-// Whether SimulatorOptions::export_outputs exports an array: it is not read then, or is read too.
-enum class Export { kNever, kOnly, kToo };
+// Whether SimulatorOptions::export_memory exports an array: of frames, which are then not read by the host or are read too; or of inputs.
+enum class Export { kNever, kOnly, kToo, kInput };
 
 struct BatchArray {
   std::size_t block_index;  // block::...::kIndex
@@ -52,7 +53,9 @@ struct BatchArray {
 
   std::uint64_t bytes(const BatchShape& shape) const { return count(shape) * element_bytes; }
   bool isReadable() const { return is_read != nullptr; }
-  bool isExported(const BatchOptions& options) const { return options.export_outputs && exports != Export::kNever && is_read(options); }
+  bool isExported(const BatchOptions& options) const {
+    return options.export_memory && exports != Export::kNever && (!isReadable() || is_read(options));
+  }
   bool isRead(const BatchOptions& options, ReadAfter after) const {
     return isReadable() && (read_after & after) != 0 && is_read(options) && !(isExported(options) && exports == Export::kOnly);
   }

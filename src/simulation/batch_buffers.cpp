@@ -20,10 +20,10 @@ BatchBuffers::BatchBuffers(const BatchShape& shape) {
   }
 }
 
-OutputArrays BatchBuffers::exportOutputs(const BatchShape& shape, const ImportMemory& import) const {
+OutputArrays BatchBuffers::exportArrays(const BatchShape& shape, bool inputs, const ImportMemory& import) const {
   OutputArrays imported;
   for (const BatchArray& array : batchArrays()) {
-    if (!array.isExported(shape.options)) continue;
+    if (!array.isExported(shape.options) || (array.exports == Export::kInput) != inputs) continue;
     const gpu::Buffer& buffer = arrays_[array.block_index].device;
     const gpu::ExportedMemory memory = buffer.exportMemory(shape.model.context());
     imported.set(array.block_index, {static_cast<const std::byte*>(import(memory.descriptor, memory.bytes)), buffer.size()});

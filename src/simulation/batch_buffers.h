@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "gpu/buffer.h"
 #include "gpu/commands.h"
@@ -22,6 +23,11 @@ class OutputArrays {
     using Element = typename Block::Element;
     const std::span<const std::byte> bytes = arrays_[Block::kIndex];
     return {reinterpret_cast<const Element*>(bytes.data()), bytes.size() / sizeof(Element)};
+  }
+  // Of an array that another interface writes.
+  template <typename Block>
+  std::span<typename Block::Element> writable(std::size_t count) const {
+    return {const_cast<typename Block::Element*>(output<Block>().data()), count};
   }
   // The first `count` elements; none of an array that is not there.
   template <typename Block>
@@ -50,8 +56,14 @@ class BatchBuffers {
     return outputs_.output<Block>();
   }
 
-  // Exports each array that SimulatorOptions::export_outputs names; returns what `import` returns for it.
-  OutputArrays exportOutputs(const BatchShape& shape, const ImportMemory& import) const;
+  // Exports each array of frames, or of inputs; returns what `import` returns for it.
+  OutputArrays exportArrays(const BatchShape& shape, bool inputs, const ImportMemory& import) const;
+
+  // Waits.
+  template <typename Block>
+  void upload(gpu::Context& context, const std::vector<typename Block::Element>& values) {
+    gpu::upload(context, std::as_bytes(std::span(values)), arrays_[Block::kIndex].device);
+  }
 
   void bindTo(gpu::Bindings& bindings) const;
 

@@ -125,8 +125,8 @@ void checkBatchFits(const ModelData& model, const BatchOptions& options) {
   checkRegions(options);
   checkJacobian(options);
   checkTaxelCounts(model, options);
-  if (options.export_outputs && !model.context().exports().memory) {
-    throw Error(ErrorKind::kDevice, "export_outputs: the driver of device \"" + model.device.info().name + "\" exports no memory");
+  if (options.export_memory && !model.context().exports().memory) {
+    throw Error(ErrorKind::kDevice, "export_memory: the driver of device \"" + model.device.info().name + "\" exports no memory");
   }
   const MemoryPlan plan = planBatch(model, options);
   if (static_cast<std::uint64_t>(options.num_instances) <= plan.max_instances) return;

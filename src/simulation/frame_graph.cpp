@@ -140,7 +140,7 @@ void recordImage(const Model::Impl& model, const BatchShape& shape, Recorder& re
 // Integers and flags where another interface imports them.
 void recordIntegers(const Model::Impl& model, const BatchShape& shape, const Recorder& recorder) {
   const SimulatorOptions& options = shape.options;
-  if (!options.export_outputs) return;
+  if (!options.export_memory) return;
   model.integer_features.record(recorder, kFrameSource);
   if (options.outputs.contact_features) model.integer_features.record(recorder, kContactSource);
   if (options.outputs.clean_contact_features) model.integer_features.record(recorder, kCleanContactSource);
@@ -178,12 +178,16 @@ Recorder recorderOf(const Model::Impl& model, const BatchShape& shape, const Bat
 
 }  // namespace
 
-gpu::Commands recordFrame(const Model::Impl& model, const BatchShape& shape, const BatchBuffers& buffers, const FrameKind& kind) {
+gpu::Commands recordFrame(const Model::Impl& model, const BatchShape& shape, const BatchBuffers& buffers, const FrameKind& kind,
+                          const layout::SkinBase& base) {
   constexpr std::uint32_t kNumTimestamps = 3;
   gpu::Commands commands(model.data.context(), "a frame", shape.options.device_clock ? kNumTimestamps : 0);
   Recorder recorder = recorderOf(model, shape, buffers, commands);
   commands.barrier(gpu::Access::kHostWrite, gpu::Access::kKernel);
   commands.timestamp(0);
+  if (kind.places) {
+    model.place.record(recorder, {static_cast<std::uint32_t>(shape.options.num_slots), kind.loads}, base);
+  }
   if (shape.takesContacts()) {
     model.contacts.record(recorder, shape.options.max_contacts);
   } else {

@@ -20,12 +20,15 @@ struct FrameKind {
   bool loads = false;      // some instance is driven by load
   bool random = false;     // some instance draws noise or gains
   bool many_near = false;  // some instance has several near objects
+  bool places = false;     // another interface has written objects, poses and loads
   Candidates candidates = Candidates::kSkipped;
 };
 
 // Commands of one frame, not finished; they may be submitted any number of times. Timestamps 0, 1, 2: before, between and after stages 1 to
 // 2 and 3 to 6. `shape` must be that of `buffers`.
-gpu::Commands recordFrame(const Model::Impl& model, const BatchShape& shape, const BatchBuffers& buffers, const FrameKind& kind);
+// `base`: of the model's skin.
+gpu::Commands recordFrame(const Model::Impl& model, const BatchShape& shape, const BatchBuffers& buffers, const FrameKind& kind,
+                          const layout::SkinBase& base);
 
 // Commands of Simulator::vjp() after a frame, not finished. `shape` must be that of `buffers`.
 gpu::Commands recordGradient(const Model::Impl& model, const BatchShape& shape, const BatchBuffers& buffers, bool with_gains);

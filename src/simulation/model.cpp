@@ -19,7 +19,8 @@ Model::Impl::Impl(const Device& device, const ModelOptions& options, const Tunin
       contact_features(data, options),
       tactile_jacobian(data, options),
       integer_features(data),
-      servo(data) {
+      servo(data),
+      place(data) {
   if (data.hasMask()) deformation_mask.emplace(data, options);
   if (data.layer) heights.emplace(data, tiles);
   if (data.layer) elastic_layer.emplace(data, options);

@@ -22,15 +22,16 @@ SampleGrid sampleGrid(const Sensor& sensor, const PackedSensor& packed) {
 }
 
 // An object's bounds in O with infinite ones cut, for the bracket of the load search.
-Bounds finiteBounds(const Object& object) {
-  constexpr double kReach = 1;  // m
-  Bounds bounds = boundsOf(object);
-  if (std::holds_alternative<Mesh>(object.shape)) return bounds;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    bounds.min[axis] = std::max(bounds.min[axis], -kReach);
-    bounds.max[axis] = std::min(bounds.max[axis], kReach);
+layout::LoadBoundsRecord loadBounds(const Object& object) {
+  const double reach = std::holds_alternative<Mesh>(object.shape) ? std::numeric_limits<double>::infinity() : 1;  // m
+  const Bounds bounds = boundsOf(object);
+  layout::LoadBoundsRecord record{};
+  for (int axis = 0; axis < 3; ++axis) {
+    const double low = std::max(bounds.min[axis], -reach), high = std::min(bounds.max[axis], reach);
+    record.center[axis] = static_cast<float>(low + high) / 2;
+    record.half_size[axis] = static_cast<float>(high - low) / 2;
   }
-  return bounds;
+  return record;
 }
 
 ObjectKinds kindsOf(const std::vector<Object>& objects, const PackedObjects& packed) {
@@ -118,7 +119,7 @@ ModelData::ModelData(const Device& opened, const ModelOptions& options)
       buffers(opened) {
   for (const Object& object : objects) {
     checkObject(object);
-    bounds.push_back(finiteBounds(object));
+    load_bounds.push_back(loadBounds(object));
   }
   const std::uint32_t tile_samples = maxTileSamples(device.info(), area(), variation());
   if (std::holds_alternative<ElasticLayer>(sensor.skin.law)) layer = packLayer(sensor);
@@ -138,6 +139,7 @@ ModelData::ModelData(const Device& opened, const ModelOptions& options)
   uploadObjects(packed_objects, buffers);
   object_records = std::move(packed_objects.objects);
   uploadSensor(*this, buffers);
+  buffers.upload<block::LoadBounds>("bounds of objects", load_bounds);
   keeps_candidates = profile.paths().candidates && object_kinds.max_groups >= layout::kMinGroups && contact_packed.one_grid &&
                      contact_packed.tiles.size() == 1;
   leaves_tiles = profile.paths().sequences && profile.limitsIterations() && object_kinds.max_triangles > 0 && !layer;

@@ -74,7 +74,7 @@ struct ModelData {
   gpu::DriverProfile profile;
   Sensor sensor;
   std::vector<Object> objects;
-  std::vector<Bounds> bounds;  // of the objects, in O; infinite ones cut at 1 m
+  std::vector<layout::LoadBoundsRecord> load_bounds;
   std::vector<layout::ObjectRecord> object_records;
   std::optional<PackedLayer> layer;  // of an elastic layer
   PackedSensor packed;

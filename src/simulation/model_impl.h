@@ -14,6 +14,7 @@
 #include "simulation/passes/image.h"
 #include "simulation/passes/integer_features.h"
 #include "simulation/passes/load_search.h"
+#include "simulation/passes/place.h"
 #include "simulation/passes/servo.h"
 #include "simulation/passes/tactile_jacobian.h"
 #include "simulation/passes/taxel_laws.h"
@@ -45,6 +46,7 @@ struct Model::Impl {
   TactileJacobianPasses tactile_jacobian;
   IntegerFeaturesPass integer_features;
   ServoPass servo;
+  PlacePass place;
 };
 
 }  // namespace taxelsim

@@ -31,13 +31,7 @@ class NearSlots {
   // The pose of the one slot of an instance, as pack() writes it.
   layout::PoseRecord packOnly(std::size_t instance, float load) const;
 
-  // Numbers of the test for objects behind the skin. R: frame of the sensor's one patch, or S.
-  struct SkinBase {
-    glm::vec3 normal;  // z of R, in S
-    float origin;      // height of the origin of S, in R, m
-    float lowest;      // height, in R, of the highest point of an object that is behind the skin, m
-  };
-  SkinBase skinBase() const { return {region_.normal, region_.p_RS.z, region_.low.z}; }
+  layout::SkinBase skinBase() const { return {{region_.normal, region_.low.z}, {region_.p_RS.z, 0, 0, 0}}; }
 
   // The near slots of an instance after pack(), as bits.
   std::uint32_t of(std::size_t instance) const { return packed_[instance]; }

@@ -43,12 +43,10 @@ layout::LoopRecord packLoops(const ServoLoopPlan& plan, const Sensor& sensor, co
   double taxel_area = std::numeric_limits<double>::infinity();
   for (const GridPatch& patch : sensor.patches) taxel_area = std::min(taxel_area, patch.pitch[0] * patch.pitch[1]);
   const Vector3 center = arrayMiddle(sensor);
-  const NearSlots::SkinBase base = near.skinBase();
   return {.time = {plan.dt, plan.control_period * plan.dt},
           .skin = {foundationOf(sensor.skin).normal_contact_stiffness, taxel_area},
           .array_center = {center[0], center[1]},
-          .behind = glm::vec4(base.normal, base.lowest),
-          .origin = {base.origin, 0, 0, 0}};
+          .base = near.skinBase()};
 }
 
 static_assert(layout::kLoopJoints == kMaxJoints && layout::kLoopChainJoints == kMaxChainJoints);

@@ -82,7 +82,7 @@ Simulator::Impl::Impl(const Model& shared_model, const BatchOptions& batch_optio
   are_random.resize(clocks.size());
   for (std::size_t i = 0; i < clocks.size(); ++i) vary(i, 0, {}, {});
   traffic = {};
-  if (options.export_outputs && data().context().exports().timelines) timeline.emplace(data().context());
+  if (options.export_memory && data().context().exports().timelines) timeline.emplace(data().context());
   if (data().hasFriction() && !takesContacts()) motions.emplace(clocks.size(), static_cast<std::size_t>(options.num_slots));
   viewOf(data(), options, buffers.outputs(), integer_features);  // allocates the arrays of integer features, so that read() does not
 }
@@ -93,6 +93,7 @@ void Simulator::Impl::checkInstance(int instance) const {
 }
 
 void Simulator::Impl::checkTakesObjects() const {
+  if (places) refuseCall("this simulator takes objects and loads from exportInputs()");
   if (takesContacts()) refuseCall("this simulator takes contacts (max_contacts > 0), neither objects nor loads");
 }
 
@@ -107,9 +108,9 @@ void Simulator::Impl::place(std::size_t instance, std::size_t slot, int id, cons
 }
 
 gpu::Commands& Simulator::Impl::commands(const FrameKind& kind) {
-  std::optional<gpu::Commands>& list =
-      recorded[(kind.loads ? 1u : 0u) + (kind.random ? 2u : 0u) + (kind.many_near ? 4u : 0u) + 8u * static_cast<unsigned>(kind.candidates)];
-  if (!list) list = recordFrame(implOf(model), {data(), options, keeps_candidates}, buffers, kind);
+  std::optional<gpu::Commands>& list = recorded[(kind.loads ? 1u : 0u) + (kind.random ? 2u : 0u) + (kind.many_near ? 4u : 0u) +
+                                                8u * static_cast<unsigned>(kind.candidates) + (kind.places ? 32u : 0u)];
+  if (!list) list = recordFrame(implOf(model), {data(), options, keeps_candidates}, buffers, kind, near.skinBase());
   return *list;
 }
 
@@ -311,19 +312,26 @@ void Simulator::reset(int instance, std::uint64_t episode, const ReadoutVariatio
   if (impl_->motions) impl_->motions->forget(static_cast<std::size_t>(instance));
 }
 
-void Simulator::prepare(bool loads) {
-  const bool random = impl_->anyRandom();
+std::vector<FrameKind> Simulator::Impl::kinds(bool with_loads) const {
+  const bool random = anyRandom();
   std::vector<FrameKind> kinds{{.random = random}};
-  if (loads) kinds.push_back({.loads = true, .random = random});
-  if (impl_->keeps_candidates) {
+  if (with_loads) kinds.push_back({.loads = true, .random = random});
+  if (keeps_candidates) {
     for (const auto candidates : {FrameKind::Candidates::kKept, FrameKind::Candidates::kUsed})
       kinds.push_back({.random = random, .candidates = candidates});
   }
-  if (impl_->options.num_slots > 1) {
-    for (std::size_t k = 0; k < (loads ? 2u : 1u); ++k) {
+  if (options.num_slots > 1) {
+    for (std::size_t k = 0; k < (with_loads ? 2u : 1u); ++k) {
       kinds.push_back({.loads = kinds[k].loads, .random = random, .many_near = true});
     }
   }
+  for (FrameKind& kind : kinds) kind.places = places;
+  return kinds;
+}
+
+void Simulator::prepare(bool loads) {
+  impl_->takes_loads = loads;
+  const std::vector<FrameKind> kinds = impl_->kinds(loads);
   for (const FrameKind& kind : kinds) impl_->commands(kind);  // the kernels of all are compiled at once
   if (impl_->options.outputs.vjp) impl_->gradientCommands(false).finish();
   for (const FrameKind& kind : kinds) impl_->commands(kind).finish();
@@ -342,6 +350,7 @@ void Simulator::Impl::finish() {
   }
   checkLoops();
   has_frame = true;
+  checkInputs();
 }
 
 FrameView Simulator::read() {

@@ -70,6 +70,8 @@ struct Simulator::Impl {
   // Both overloads of Simulator::step(). The selection must be valid.
   void step(double dt, const Selection& selection);
 
+  // The frames that steps may need; `with_loads`: those of load-driven instances too.
+  std::vector<FrameKind> kinds(bool with_loads) const;
   // Recorded when first needed; not finished.
   gpu::Commands& commands(const FrameKind& kind);
   gpu::Commands& gradientCommands(bool with_gains);
@@ -77,9 +79,11 @@ struct Simulator::Impl {
   void submit(gpu::Commands& list, ReadAfter after);
   // Waits for the running frame, if any.
   void finish();
+  // Throws Error(kInput) if inputs of another interface were not allowed.
+  void checkInputs() const;
   // Before the host writes inputs that a running frame reads: with exported outputs nobody has waited for it.
   void ownInputs() {
-    if (options.export_outputs) finish();
+    if (options.export_memory) finish();
   }
   // Throws Error(kDevice) if the driver has cut a loop of the last commands short.
   void checkLoops() const;
@@ -106,9 +110,11 @@ struct Simulator::Impl {
   std::vector<std::size_t> placed;  // with closed loops: instances whose object was set since the last step
   std::optional<Motions> motions;   // of a sensor with friction
   ThreadTeam team;                  // shares loops over the instances; the results do not depend on their number
-  std::array<std::optional<gpu::Commands>, 32> recorded;
+  std::array<std::optional<gpu::Commands>, 64> recorded;
   std::array<std::optional<gpu::Commands>, 2> recorded_gradients;  // without and with gains
   gpu::Commands* running = nullptr;
+  bool places = false;                    // another interface writes objects, poses and loads
+  bool takes_loads = false;               // of that interface
   std::optional<gpu::Timeline> timeline;  // orders steps and consumers of exported outputs, where the driver exports one
   gpu::TimelinePoints points;             // of the last step; `after`: of the next
   bool has_frame = false;                 // some step has been read

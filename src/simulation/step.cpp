@@ -34,7 +34,7 @@ void Simulator::Impl::startFrame(std::size_t instance, double dt, const FrameTim
   record.keys = {static_cast<std::uint32_t>(episode), static_cast<std::uint32_t>(episode >> 32), frame, flags[instance]};
   record.clock = {clock.steps++, back, 0u, 0u};
   clock.time += dt;
-  if (!motions) return;
+  if (!motions || places) return;
   const float load_offset = buffers.output<block::Features>()[layout::kFeatureLoadOffset * clocks.size() + instance];
   motions->pack(instance, load_offset, near.of(instance), buffers.input<block::Motions>().subspan(instance * num_near, num_near));
 }
@@ -63,7 +63,7 @@ bool Simulator::Impl::startFrames(double dt, const Selection& selection, std::si
   const std::size_t num_selected = numSelected(selection);
   traffic.bytes_to_device += num_selected * (sizeof(layout::InstanceRecord::keys) + sizeof(layout::InstanceRecord::clock)) +
                              (clocks.size() - num_selected) * sizeof(std::uint32_t);
-  if (motions) traffic.bytes_to_device += num_selected * num_near * sizeof(layout::MotionRecord);
+  if (motions && !places) traffic.bytes_to_device += num_selected * num_near * sizeof(layout::MotionRecord);
   return std::any_of(flags.begin(), flags.end(), [](std::uint32_t flag) { return (flag & layout::kFlagLoadDriven) != 0; });
 }
 
@@ -84,10 +84,10 @@ std::size_t Simulator::Impl::packPoses() {
 void Simulator::Impl::step(double dt, const Selection& selection) {
   finish();
   layout::StepRecord step_record = stepRecord(dt, selection);
-  const std::size_t num_near = packPoses();
+  const std::size_t num_near = places ? static_cast<std::size_t>(options.num_slots) : packPoses();
   if (!takesContacts()) step_record.batch.y = static_cast<std::uint32_t>(num_near);
-  const bool any_load = startFrames(dt, selection, num_near);
-  if (any_load && !data().layer && !data().packed.searches_in_tile) {
+  const bool any_load = startFrames(dt, selection, num_near) || (places && takes_loads);
+  if (any_load && !places && !data().layer && !data().packed.searches_in_tile) {
     startLoadSearch(data(), flags, buffers.input<block::Poses>().first(clocks.size() * num_near), buffers.input<block::Loads>());
     traffic.bytes_to_device += numSelected(selection) * sizeof(layout::LoadRecord);
   }
@@ -95,7 +95,8 @@ void Simulator::Impl::step(double dt, const Selection& selection) {
   step_record.candidates.x = candidates == FrameKind::Candidates::kUsed;
   buffers.input<block::Step>()[0] = step_record;
   traffic.bytes_to_device += sizeof(step_record);
-  gpu::Commands& frame = commands({.loads = any_load, .random = anyRandom(), .many_near = num_near > 1, .candidates = candidates});
+  gpu::Commands& frame =
+      commands({.loads = any_load, .random = anyRandom(), .many_near = num_near > 1, .places = places, .candidates = candidates});
   submit(frame, kAfterFrame);
   running = &frame;
 }
@@ -109,7 +110,7 @@ void Simulator::Impl::submit(gpu::Commands& list, ReadAfter after) {
 
 void Simulator::Impl::checkCanStep(double dt) const {
   if (!(dt > 0) || std::isinf(dt)) throw Error(ErrorKind::kInput, "dt: " + std::to_string(dt) + " is not allowed: s, > 0");
-  if (running != nullptr && !options.export_outputs) throw std::logic_error("a step was taken before read() of the last one");
+  if (running != nullptr && !options.export_memory) throw std::logic_error("a step was taken before read() of the last one");
 }
 
 void Simulator::step(double dt) {

@@ -123,6 +123,10 @@ struct ForceGradientInterface {
 #include "passes/force_gradient.h"
 };
 
+struct PlaceInterface {
+#include "passes/place.h"
+};
+
 struct ServoInterface {
 #include "passes/servo.h"
 };

@@ -28,6 +28,14 @@ class LoadSearchPass {
   KernelCache<OnlyVariant, gpu::PassKernel<LoadInterface>> kernel_;
 };
 
+// Where a search over tiles begins and ends, m.
+struct LoadReach {
+  float highest, lowest;  // heights of the sensor's samples in S; the lowest less twice the skin's thickness
+  float clearance;
+  float first_step;  // below first touch, at most half of the way
+};
+LoadReach loadReach(const ModelData& model);
+
 // Brackets of a search over tiles, from all objects just clear of the sensor to all of them past its skin. `poses`: (num_instances x
 // those of the step). `flags` (num_instances): of InstanceRecord.
 void startLoadSearch(const ModelData& model, std::span<const std::uint32_t> flags, std::span<const layout::PoseRecord> poses,

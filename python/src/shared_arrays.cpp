@@ -1,26 +1,33 @@
-#include "shared_outputs.h"
+#include "shared_arrays.h"
 
 #include <algorithm>
 
 namespace taxelsim::python {
 
-SharedOutputs::SharedOutputs(Simulator& simulator, interop::Platform platform)
+SharedArrays::SharedArrays(Simulator& simulator, interop::Platform platform)
     : simulator_(simulator), gpu_(interop::Gpu::open(platform, simulator.model().device().info().uuid)) {
-  frame_ = simulator.exportOutputs([this](int descriptor, std::uint64_t bytes) {
-    memory_.push_back(gpu_->importMemory(descriptor, bytes));
-    return reinterpret_cast<const void*>(memory_.back().address());
-  });
+  frame_ = simulator.exportOutputs([this](int descriptor, std::uint64_t bytes) { return import(descriptor, bytes); });
   if (const int descriptor = simulator.exportTimeline(); descriptor >= 0) timeline_.emplace(gpu_->importTimeline(descriptor));
 }
 
-SharedOutputs::~SharedOutputs() {
+SharedArrays::~SharedArrays() {
   try {
     for (const interop::Stream stream : consumers_) gpu_->synchronize(stream);
   } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): a destructor cannot report
   }
 }
 
-void SharedOutputs::letWait(interop::Stream stream) {
+void* SharedArrays::import(int descriptor, std::uint64_t bytes) {
+  memory_.push_back(gpu_->importMemory(descriptor, bytes));
+  return reinterpret_cast<void*>(memory_.back().address());
+}
+
+const ExportedInputs& SharedArrays::inputs() {
+  if (!inputs_) inputs_ = simulator_.exportInputs([this](int descriptor, std::uint64_t bytes) { return import(descriptor, bytes); });
+  return *inputs_;
+}
+
+void SharedArrays::letWait(interop::Stream stream) {
   if (timeline_) {
     timeline_->waitFor(simulator_.endOfStep(), stream);
   } else {
@@ -28,16 +35,16 @@ void SharedOutputs::letWait(interop::Stream stream) {
   }
 }
 
-void SharedOutputs::addConsumer(interop::Stream stream) {
+void SharedArrays::addConsumer(interop::Stream stream) {
   if (std::find(consumers_.begin(), consumers_.end(), stream) == consumers_.end()) consumers_.push_back(stream);
   letWait(stream);
 }
 
-void SharedOutputs::releaseStep() {
+void SharedArrays::releaseStep() {
   for (const interop::Stream stream : consumers_) letWait(stream);
 }
 
-void SharedOutputs::holdNextStep() {
+void SharedArrays::holdNextStep() {
   const std::uint64_t done = simulator_.endOfStep() + 1;
   // One stream can signal the end of its work; for others, and if a step failed after a signal, the host waits.
   const bool can_signal = timeline_ && consumers_.size() == 1 && signalled_ < done;
@@ -50,7 +57,7 @@ void SharedOutputs::holdNextStep() {
   for (const interop::Stream stream : consumers_) gpu_->synchronize(stream);
 }
 
-void SharedOutputs::copyToHost(void* to, const void* from, std::size_t bytes) {
+void SharedArrays::copyToHost(void* to, const void* from, std::size_t bytes) {
   simulator_.read();
   gpu_->copyToHost(to, reinterpret_cast<interop::Address>(from), bytes);
 }

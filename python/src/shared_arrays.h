@@ -1,4 +1,4 @@
-// Outputs of a simulator in the memory of another interface of its GPU.
+// Outputs and inputs of a simulator in the memory of another interface of its GPU.
 #pragma once
 
 #include <cstdint>
@@ -11,24 +11,27 @@
 
 namespace taxelsim::python {
 
-// Joins the exports of a simulator with their imports, and orders steps and the streams of consumers: steps wait for the work that streams
-// had when they began, streams for the last step. Where the driver exports a timeline semaphore the device waits, else the host.
+// Joins the exports of a simulator with their imports, and orders steps and the streams of libraries that read frames or write inputs:
+// steps wait for the work that streams had when they began, streams for the last step. Where the driver exports a timeline semaphore the
+// device waits, else the host.
 //
 // Threads: one at a time. The simulator must outlive it.
-class SharedOutputs {
+class SharedArrays {
  public:
   // Throws Error(kDevice).
-  SharedOutputs(Simulator& simulator, interop::Platform platform);
-  ~SharedOutputs();
-  SharedOutputs(const SharedOutputs&) = delete;
-  SharedOutputs& operator=(const SharedOutputs&) = delete;
+  SharedArrays(Simulator& simulator, interop::Platform platform);
+  ~SharedArrays();
+  SharedArrays(const SharedArrays&) = delete;
+  SharedArrays& operator=(const SharedArrays&) = delete;
 
   // Its spans hold addresses of the GPU.
   const FrameView& frame() const { return frame_; }
+  // Imported at the first call. Steps take them from then on.
+  const ExportedInputs& inputs();
   // Number of the GPU.
   int ordinal() const { return gpu_->ordinal(); }
 
-  // A stream that reads the arrays from now on. It waits for the last step.
+  // A stream that uses the arrays from now on. It waits for the last step.
   void addConsumer(interop::Stream stream);
   // All consumers wait for the last step.
   void releaseStep();
@@ -39,6 +42,7 @@ class SharedOutputs {
   void copyToHost(void* to, const void* from, std::size_t bytes);
 
  private:
+  void* import(int descriptor, std::uint64_t bytes);
   void letWait(interop::Stream stream);
 
   Simulator& simulator_;
@@ -46,6 +50,7 @@ class SharedOutputs {
   std::vector<interop::ImportedMemory> memory_;
   std::optional<interop::ImportedTimeline> timeline_;
   FrameView frame_;
+  std::optional<ExportedInputs> inputs_;
   std::vector<interop::Stream> consumers_;
   std::uint64_t signalled_ = 0;  // last value that a consumer was told to signal
 };
