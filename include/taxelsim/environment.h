@@ -21,6 +21,8 @@ struct EnvironmentOptions {
   /// Optional outputs in EnvironmentView::frame. Default: none.
   OutputOptions outputs = kNoOutputs;
   int max_regions = 0;  ///< Rows of contact features for regions, 0 to kMaxRegions; 0 without such features.
+  /// As SimulatorOptions::export_memory. The host still gets the features that episodes and judgements need.
+  bool export_memory = false;
 };
 
 /// The latest frame of every instance and the state of its episode. N = num_instances; S is the sensor, W the frame of sensor 0 at the
@@ -91,6 +93,8 @@ class Environment {
   double dt() const;           ///< s, from one frame to the next.
   const Scene& scene() const;  ///< The scene; valid as long as the environment.
   const Model& model() const;  ///< The model; valid as long as the environment.
+  /// The batch, of num_sensors instances for each of the environment: for exportOutputs() and the order of consumers alone.
+  Simulator& simulator();
 
   /// Starts episode episodes[i] on every instance i with mask[i] != 0 and computes its frame 0, with load search. `mask`, `episodes` (N).
   ///

@@ -10,10 +10,13 @@
 
 #include <limits>
 #include <mutex>
+#include <optional>
 #include <tuple>
+#include <vector>
 
 #include "environment_views.h"
 #include "handles.h"
+#include "shared_arrays.h"
 #include "verdict_arrays.h"
 #include "without_gil.h"
 
@@ -30,7 +33,11 @@ static_assert(sizeof(Twist) == 6 * sizeof(double));
 // An Environment that several Python threads may call: calls wait for each other, without the GIL.
 class SharedEnvironment {
  public:
-  SharedEnvironment(const Device& device, const Scene& scene, const EnvironmentOptions& options) : environment_(device, scene, options) {}
+  // `platform`: interface of the GPU that images are shared with, if any.
+  SharedEnvironment(const Device& device, const Scene& scene, const EnvironmentOptions& options, std::optional<interop::Platform> platform)
+      : environment_(device, scene, options) {
+    if (platform) shared_.emplace(environment_.get().simulator(), *platform);
+  }
   ~SharedEnvironment() {
     const nb::gil_scoped_release release;  // waits for the device if a frame is unread
     const std::lock_guard lock(mutex_);
@@ -44,26 +51,47 @@ class SharedEnvironment {
     return use(environment_.get());
   }
 
+  // Calls `use(environment)`, which computes frames, in the order of the streams that use the images.
+  template <typename Use>
+  void computeWith(Use use) {
+    with([&](Environment& environment) {
+      if (shared_) shared_->get().holdNextStep();
+      use(environment);
+      if (shared_) shared_->get().releaseStep();
+    });
+  }
+
   const Environment& get() const { return environment_.get(); }
+  SharedArrays* shared() { return shared_ ? &shared_->get() : nullptr; }
+
+  template <typename Use>
+  auto withShared(Use use) {
+    return with([&](Environment&) { return use(requireShared(shared())); });
+  }
 
  private:
   std::mutex mutex_;
   Owned<Environment> environment_;
+  std::optional<Owned<SharedArrays>> shared_;  // destroyed first
 };
 
 void init(SharedEnvironment* self, const DeviceHandle& device, const Scene& scene, int num_instances, const OutputOptions& outputs,
-          int max_regions) {
-  new (self) SharedEnvironment(device.get(), scene, {.num_instances = num_instances, .outputs = outputs, .max_regions = max_regions});
+          int max_regions, std::optional<interop::Platform> platform) {
+  const EnvironmentOptions options{
+      .num_instances = num_instances, .outputs = outputs, .max_regions = max_regions, .export_memory = platform.has_value()};
+  new (self) SharedEnvironment(device.get(), scene, options, platform);
 }
 
 void resetEpisodes(SharedEnvironment& self, const Column<std::uint8_t>& mask, const Column<std::uint64_t>& episodes) {
-  self.with([&](Environment& environment) { environment.reset({mask.data(), mask.shape(0)}, {episodes.data(), episodes.shape(0)}); });
+  self.computeWith([&](Environment& environment) {
+    environment.reset({mask.data(), mask.shape(0)}, {episodes.data(), episodes.shape(0)});
+  });
 }
 
 // The robots take the action, then follow it for some frames. Waits for the last one.
 template <typename Act>
 void step(SharedEnvironment& self, int num_frames, Act act) {
-  self.with([&](Environment& environment) {
+  self.computeWith([&](Environment& environment) {
     act(environment);
     for (int frame = 0; frame < num_frames; ++frame) environment.step();
     environment.observe();
@@ -87,7 +115,13 @@ void advance(SharedEnvironment& self, int num_frames) {
 nb::dict arrays(nb::handle self) {
   auto& shared = nb::cast<SharedEnvironment&>(self);
   const EnvironmentView view = shared.with([](Environment& environment) { return environment.observe(); });
-  return arraysOf(view, shared.get().model().sensor(), shared.get().numSensors(), self);
+  const Sensor& sensor = shared.get().model().sensor();
+  nb::dict result = arraysOf(view, sensor, shared.get().numSensors(), self);
+  if (shared.shared() == nullptr) return result;
+  std::vector<std::size_t> rows{view.active.size()};
+  if (shared.get().numSensors() > 1) rows.push_back(static_cast<std::size_t>(shared.get().numSensors()));
+  result.update(imagesOf(shared.shared()->frame(), sensor, rows, {self, shared.shared()->device()}));
+  return result;
 }
 
 nb::dict taskArrays(nb::handle self) {
@@ -140,8 +174,11 @@ std::vector<std::tuple<std::string, bool, double>> jointsOf(const Scene& scene) 
 }  // namespace
 
 void bindEnvironment(nb::module_& module) {
-  nb::class_<SharedEnvironment>(module, "Environment", "The batch behind taxelsim.Environment.")
-      .def("__init__", &init, "device"_a, "scene"_a, "num_instances"_a, "outputs"_a, "max_regions"_a, nb::call_guard<WithoutGil>())
+  nb::class_<SharedEnvironment> environment(module, "Environment", "The batch behind taxelsim.Environment.");
+  bindShared(environment);
+  environment
+      .def("__init__", &init, "device"_a, "scene"_a, "num_instances"_a, "outputs"_a, "max_regions"_a, "platform"_a.none(),
+           nb::call_guard<WithoutGil>())
       .def("reset", &resetEpisodes, "mask"_a, "episodes"_a)
       .def("step", &stepTwists, "twists"_a, "num_frames"_a)
       .def("step_joints", &stepJoints, "velocities"_a, "num_frames"_a)

@@ -40,6 +40,7 @@ class Arrays {
     add(name, values, {rows_.front()}, row);
   }
   void add(const char* name, nb::handle value) { arrays_[name] = value; }
+  void add(const nb::dict& others) { arrays_.update(others); }
 
   nb::dict take() { return std::move(arrays_); }
 
@@ -135,12 +136,18 @@ nb::dict groundTruthOf(const GroundTruthView& view, const Sensor& sensor, std::s
 
 }  // namespace
 
+nb::dict imagesOf(const FrameView& view, const Sensor& sensor, std::vector<std::size_t> rows, ArrayOwner owner) {
+  Arrays arrays(std::move(rows), owner);
+  addTaxels("tactile_image", view.tactile_image, sensor, arrays);
+  TAXELSIM_MEASURED_TAXELS(TAXELSIM_ADD_TAXELS)
+  return arrays.take();
+}
+
 nb::dict arraysOf(const FrameView& view, const Sensor& sensor, int num_instances, ArrayOwner owner) {
   const auto n = static_cast<std::size_t>(num_instances);
   Arrays arrays({n}, owner);
   addFeatures(view, arrays);
-  addTaxels("tactile_image", view.tactile_image, sensor, arrays);
-  TAXELSIM_MEASURED_TAXELS(TAXELSIM_ADD_TAXELS)
+  arrays.add(imagesOf(view, sensor, {n}, owner));
   TAXELSIM_READOUT_FEATURES(TAXELSIM_ADD)
   addContact(view.contact, n, owner, arrays);
   addJacobian(view.jacobian, n, owner, arrays);

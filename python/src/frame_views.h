@@ -3,6 +3,8 @@
 
 #include <nanobind/ndarray.h>
 
+#include <vector>
+
 #include "bind.h"
 #include "taxelsim/sensor.h"
 #include "taxelsim/simulator.h"
@@ -24,6 +26,9 @@ struct ArrayOwner {
 // Read-only arrays over the memory of `frame`, by name, with the batch as first axis. Nested views are dicts. Outputs that were not
 // requested are missing. Arrays of the host are NumPy's; others are tuples: an object with __dlpack__(), shape, name of the type.
 nb::dict arraysOf(const FrameView& frame, const Sensor& sensor, int num_instances, ArrayOwner owner);
+
+// The measured images of `frame` alone. `rows`: the shape before that of an instance's taxels.
+nb::dict imagesOf(const FrameView& frame, const Sensor& sensor, std::vector<std::size_t> rows, ArrayOwner owner);
 
 // The same of inputs, for writing.
 nb::dict arraysOf(const ExportedInputs& inputs, int num_instances, ArrayOwner owner);

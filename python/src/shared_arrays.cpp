@@ -1,11 +1,12 @@
 #include "shared_arrays.h"
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace taxelsim::python {
 
 SharedArrays::SharedArrays(Simulator& simulator, interop::Platform platform)
-    : simulator_(simulator), gpu_(interop::Gpu::open(platform, simulator.model().device().info().uuid)) {
+    : simulator_(simulator), platform_(platform), gpu_(interop::Gpu::open(platform, simulator.model().device().info().uuid)) {
   frame_ = simulator.exportOutputs([this](int descriptor, std::uint64_t bytes) { return import(descriptor, bytes); });
   if (const int descriptor = simulator.exportTimeline(); descriptor >= 0) timeline_.emplace(gpu_->importTimeline(descriptor));
 }
@@ -60,6 +61,21 @@ void SharedArrays::holdNextStep() {
 void SharedArrays::copyToHost(void* to, const void* from, std::size_t bytes) {
   simulator_.read();
   gpu_->copyToHost(to, reinterpret_cast<interop::Address>(from), bytes);
+}
+
+ArrayDevice SharedArrays::device() const {
+  return {platform_ == interop::Platform::kCuda ? nb::device::cuda::value : nb::device::rocm::value, gpu_->ordinal()};
+}
+
+SharedArrays& requireShared(SharedArrays* shared) {
+  if (shared == nullptr) throw std::logic_error("no arrays are shared");
+  return *shared;
+}
+
+void copyToHost(SharedArrays& shared, const nb::ndarray<nb::ro>& array,
+                const nb::ndarray<std::uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>& result) {
+  if (array.nbytes() != result.nbytes()) throw std::logic_error("copy_to_host(): wrong result");
+  shared.copyToHost(result.data(), array.data(), array.nbytes());
 }
 
 }  // namespace taxelsim::python

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "frame_views.h"
 #include "interop/gpu.h"
 #include "taxelsim/simulator.h"
 
@@ -28,8 +29,8 @@ class SharedArrays {
   const FrameView& frame() const { return frame_; }
   // Imported at the first call. Steps take them from then on.
   const ExportedInputs& inputs();
-  // Number of the GPU.
-  int ordinal() const { return gpu_->ordinal(); }
+  // The GPU, as DLPack names it.
+  ArrayDevice device() const;
 
   // A stream that uses the arrays from now on. It waits for the last step.
   void addConsumer(interop::Stream stream);
@@ -46,6 +47,7 @@ class SharedArrays {
   void letWait(interop::Stream stream);
 
   Simulator& simulator_;
+  interop::Platform platform_;
   std::shared_ptr<const interop::Gpu> gpu_;
   std::vector<interop::ImportedMemory> memory_;
   std::optional<interop::ImportedTimeline> timeline_;
@@ -54,5 +56,29 @@ class SharedArrays {
   std::vector<interop::Stream> consumers_;
   std::uint64_t signalled_ = 0;  // last value that a consumer was told to signal
 };
+
+// `shared`, or std::logic_error for null.
+SharedArrays& requireShared(SharedArrays* shared);
+
+// Bytes of one of the arrays to the host. `result`: of its size.
+void copyToHost(SharedArrays& shared, const nb::ndarray<nb::ro>& array,
+                const nb::ndarray<std::uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>& result);
+
+// What DeviceArray needs of its owner, a class with withShared(use), which calls `use(shared arrays)` without the GIL.
+template <typename Owner>
+void bindShared(nb::class_<Owner>& owner) {
+  owner
+      .def(
+          "add_consumer",
+          [](Owner& self, interop::Stream stream) { self.withShared([&](SharedArrays& shared) { shared.addConsumer(stream); }); },
+          "stream"_a)
+      .def(
+          "copy_to_host",
+          [](Owner& self, const nb::ndarray<nb::ro>& array,
+             const nb::ndarray<std::uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>& result) {
+            self.withShared([&](SharedArrays& shared) { copyToHost(shared, array, result); });
+          },
+          "array"_a, "result"_a);
+}
 
 }  // namespace taxelsim::python

@@ -44,9 +44,7 @@ class SharedSimulator {
   // `platform`: interface of the GPU that outputs are shared with, if any.
   SharedSimulator(const Model& model, const SimulatorOptions& options, std::optional<interop::Platform> platform)
       : simulator_(model, exporting(options, platform.has_value())) {
-    if (!platform) return;
-    platform_ = *platform;
-    shared_.emplace(simulator_.get(), platform_);
+    if (platform) shared_.emplace(simulator_.get(), *platform);
   }
   ~SharedSimulator() {
     const nb::gil_scoped_release release;  // waits for the device if a step is unread
@@ -90,15 +88,11 @@ class SharedSimulator {
   auto withShared(Use use) {
     const WithoutGil released;
     const std::lock_guard lock(mutex_);
-    if (!shared_) throw std::logic_error("this simulator shares no arrays");
-    return use(shared_->get());
+    return use(requireShared(shared_ ? &shared_->get() : nullptr));
   }
 
   // Of its arrays.
-  ArrayDevice device() const {
-    if (!shared_) return {};
-    return {platform_ == interop::Platform::kCuda ? nb::device::cuda::value : nb::device::rocm::value, shared_->get().ordinal()};
-  }
+  ArrayDevice device() const { return shared_ ? shared_->get().device() : ArrayDevice(); }
 
   StepTiming timing() {
     const std::lock_guard lock(mutex_);
@@ -121,7 +115,6 @@ class SharedSimulator {
 
   std::mutex mutex_;
   Owned<Simulator> simulator_;
-  interop::Platform platform_ = interop::Platform::kCuda;
   std::optional<Owned<SharedArrays>> shared_;  // destroyed first
   bool running_ = false;                       // a step is unread
 };
@@ -136,13 +129,6 @@ void reset(SharedSimulator& self, const Ids& instances, const Episodes& episodes
 
 void setContacts(SharedSimulator& self, const Points& contacts, const Ids& offsets) {
   self.input("set_contacts", [&](Simulator& simulator) { simulator.setContacts(rows<ContactPoint>(contacts), rows<int>(offsets)); });
-}
-
-// `array`: one of arrays() that another interface shares; `result`: of its bytes.
-void copyToHost(SharedSimulator& self, const nb::ndarray<nb::ro>& array,
-                const nb::ndarray<std::uint8_t, nb::ndim<1>, nb::c_contig>& result) {
-  if (array.nbytes() != result.nbytes()) throw std::logic_error("copy_to_host(): wrong result");
-  self.withShared([&](SharedArrays& shared) { shared.copyToHost(result.data(), array.data(), array.nbytes()); });
 }
 
 // `gain`: empty for 1. Results: `twist` (N x 6), `by_gain` (N x num_taxels).
@@ -229,7 +215,9 @@ void bindSimulator(nb::module_& module) {
       "plan", [](const ModelHandle& model, const SimulatorOptions& options) { return Simulator::plan(model.get(), options); }, "model"_a,
       "options"_a, "Device memory that a Simulator with these options would take. Allocates nothing.");
   module.def("place_by_anchor", &placeByAnchor, "model"_a, "ids"_a, "poses"_a, "anchor"_a.none());
-  nb::class_<SharedSimulator>(module, "Simulator", "The batch behind taxelsim.Simulator.")
+  nb::class_<SharedSimulator> batch(module, "Simulator", "The batch behind taxelsim.Simulator.");
+  bindShared(batch);
+  batch
       .def(
           "__init__",
           [](SharedSimulator* self, const ModelHandle& model, const SimulatorOptions& options, std::optional<interop::Platform> platform) {
@@ -273,11 +261,6 @@ void bindSimulator(nb::module_& module) {
             return arraysOf(inputs, simulator.numInstances(), {self, simulator.device()});
           },
           nb::sig("def inputs(self) -> dict[str, typing.Any]"))
-      .def(
-          "add_consumer",
-          [](SharedSimulator& self, interop::Stream stream) { self.withShared([&](SharedArrays& shared) { shared.addConsumer(stream); }); },
-          "stream"_a)
-      .def("copy_to_host", &copyToHost, "array"_a, "result"_a)
       .def_prop_ro("timing", &SharedSimulator::timing)
       .def_prop_ro("traffic", &SharedSimulator::traffic);
 }

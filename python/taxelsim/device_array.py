@@ -8,10 +8,25 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from ._arguments import checked_names
 from .errors import InputError
 
 _LEGACY_DEFAULT_STREAM = 1  # of DLPack, for CUDA
 _NO_STREAM = -1
+
+
+MEMORIES = ("host", "device", "cuda", "hip")
+"""Where arrays can lie: with NumPy; "device": with the device, which for software Vulkan is the host; CUDA; HIP."""
+
+Batch = _core.Simulator | _core.Environment
+
+
+def platform_of(memory: str, device: _core.Device) -> _core.Platform | None:
+    """The interface of the GPU that has the arrays; None: the host has them. Raises InputError for a name out of MEMORIES."""
+    (name,) = checked_names("memory", memory, MEMORIES)
+    if name == "device":
+        name = "host" if device.info.type == _core.DeviceType.CPU else "cuda"
+    return None if name == "host" else _core.Platform[name.upper()]
 
 
 class DeviceArray:
@@ -24,7 +39,7 @@ class DeviceArray:
 
     __slots__ = ("_array", "_batch", "dtype", "shape")
 
-    def __init__(self, batch: _core.Simulator, array: Any, shape: tuple[int, ...], dtype: str) -> None:
+    def __init__(self, batch: Batch, array: Any, shape: tuple[int, ...], dtype: str) -> None:
         self._batch = batch
         self._array = array
         self.shape = shape  #: As of a NumPy array.
@@ -57,8 +72,8 @@ class DeviceArray:
         return f"<taxelsim.DeviceArray {self.dtype}{self.shape}>"
 
 
-def on_device(batch: _core.Simulator, arrays: dict[str, Any]) -> dict[str, Any]:
-    """What _core.Simulator.arrays() returns, with its tuples as DeviceArray."""
+def on_device(batch: Batch, arrays: dict[str, Any]) -> dict[str, Any]:
+    """What arrays() of the extension module returns, with its tuples as DeviceArray."""
     return {
         name: on_device(batch, value) if isinstance(value, dict) else DeviceArray(batch, *value) if isinstance(value, tuple) else value
         for name, value in arrays.items()

@@ -15,6 +15,7 @@ from ._arguments import checked_count, checked_names
 from ._arrays import Dimension, to_array
 from ._core import OUTPUTS, TASK_MEASURES, Device, OutputOptions, Scene, Sensor
 from ._counts import IMAGE_UNITS, newtons_of_counts
+from .device_array import on_device, platform_of
 from .errors import InputError
 from .frame import Arrays, BoolArray, FloatArray, Frame, IntArray
 
@@ -160,15 +161,20 @@ class Environment:
         outputs: OutputOptions | None = None,
         image_unit: str = "counts",
         max_regions: int = 0,
+        memory: str = "host",
     ) -> None:
         """Allocates all device memory. Raises InputError for a scene of another kind, and if the batch does not fit.
 
         outputs: optional outputs of frames; default none. image_unit: of frame.tactile_image, "counts", or "newtons" by the nominal curve.
         max_regions: rows of contact features for regions, 0 to 8.
+        memory: where tactile_image and taxel_counts lie, as for Simulator; the host has all other arrays.
         """
         checked_names("image_unit", image_unit, IMAGE_UNITS)
+        platform = platform_of(memory, device)
+        if platform is not None and image_unit != "counts":
+            raise InputError(f"image_unit: {image_unit!r} is not allowed where memory is {memory!r}: 'counts'")
         self._scene = scene if isinstance(scene, Scene) else _core.load_scene(os.fspath(scene))
-        self._batch = _core.Environment(device, self._scene, num_instances, outputs or NO_OUTPUTS, max_regions)
+        self._batch = _core.Environment(device, self._scene, num_instances, outputs or NO_OUTPUTS, max_regions, platform)
         self._newtons = newtons_of_counts(self._scene.sensor.readout) if image_unit == "newtons" else None
         self._N: Dimension = (num_instances, "N")
 
@@ -235,7 +241,7 @@ class Environment:
         arrays = self._batch.arrays()
         if self._newtons is not None:
             arrays["frame"]["tactile_image"] = self._newtons[arrays["frame"]["tactile_image"]]
-        return frame_of(arrays, self.num_instances, self._batch.num_sensors)
+        return frame_of(on_device(self._batch, arrays), self.num_instances, self._batch.num_sensors)
 
     def task_state(self) -> TaskState:
         """State of the task at the latest frame. Raises InputError for a scene without a task."""

@@ -15,14 +15,11 @@ from ._core import DeviceTraffic, MemoryPlan, Model, OutputOptions, SimulatorOpt
 from ._counts import IMAGE_UNITS, NewtonImage
 from ._first_frame import FirstFrame
 from ._log import logger
-from .device_array import on_device
+from .device_array import on_device, platform_of
 from .errors import InputError
 from .frame import Frame
 from .gradients import Gradient
 from .inputs import NO_OBJECT, Inputs, commit, new_inputs
-
-MEMORIES = ("host", "device", "cuda", "hip")
-"""Where the arrays of frames can lie, see Simulator."""
 
 
 class Simulator:
@@ -78,7 +75,7 @@ class Simulator:
             contact_band=contact_band,
             device_clock=device_clock,
         )
-        platform = _platform(memory, model)
+        platform = platform_of(memory, model.device)
         if platform is not None and image_unit != "counts":
             raise InputError(f"image_unit: {image_unit!r} is not allowed where memory is {memory!r}: 'counts'")
         self._batch = _core.Simulator(model, self._options, platform)
@@ -342,14 +339,6 @@ class Simulator:
 
     def __repr__(self) -> str:
         return f"<taxelsim.Simulator of {self.num_instances} instances of {self._model.sensor.name}>"
-
-
-def _platform(memory: str, model: Model) -> _core.Platform | None:
-    """The interface of the GPU that has the arrays of frames; None: the host has them. Raises InputError for an unknown name."""
-    (name,) = checked_names("memory", memory, MEMORIES)
-    if name == "device":
-        name = "host" if model.device.info.type == _core.DeviceType.CPU else "cuda"
-    return None if name == "host" else _core.Platform[name.upper()]
 
 
 def split_patches(sensor: _core.Sensor, taxels: npt.NDArray[Any]) -> dict[str, npt.NDArray[Any]]:

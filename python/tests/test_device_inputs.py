@@ -19,8 +19,9 @@ def writable(array: taxelsim.DeviceArray) -> np.ndarray:
     pointer = ctypes.pythonapi.PyCapsule_GetPointer
     pointer.restype, pointer.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
     capsule = array.__dlpack__(stream=-1)
-    tensor = ctypes.cast(pointer(capsule, b"dltensor"), ctypes.POINTER(ctypes.c_void_p))
-    bytes_ = (ctypes.c_char * int(np.prod(array.shape) * array.dtype.itemsize)).from_address(tensor[0])
+    data = ctypes.c_void_p.from_address(pointer(capsule, b"dltensor")).value
+    assert data is not None
+    bytes_ = (ctypes.c_char * int(np.prod(array.shape) * array.dtype.itemsize)).from_address(data)
     return np.frombuffer(bytes_, array.dtype).reshape(array.shape)
 
 

@@ -76,6 +76,12 @@ const Model& checked(const Model& model, const Scene& scene) {
   return model;
 }
 
+EpisodePlan planOf(const Scene& scene, const EnvironmentOptions& options) {
+  EpisodePlan plan(scene, options.outputs, options.max_regions);
+  plan.export_memory = options.export_memory;
+  return plan;
+}
+
 }  // namespace
 
 std::uint64_t episodeKey(std::uint64_t seed, std::uint32_t instance, std::uint64_t num_resets) {
@@ -91,7 +97,7 @@ struct Environment::Impl {
   Impl(const Model& model_to_use, const Scene& scene_to_run, const EnvironmentOptions& options)
       : scene(checked(scene_to_run, options)),
         model(checked(model_to_use, scene_to_run)),
-        plan(scene, options.outputs, options.max_regions),
+        plan(planOf(scene, options)),
         batch(model, plan, options.num_instances),
         computed(options.num_instances, 0),
         draws(options.num_instances),
@@ -210,6 +216,10 @@ const Scene& Environment::scene() const {
 
 const Model& Environment::model() const {
   return impl_->model;
+}
+
+Simulator& Environment::simulator() {
+  return impl_->batch.simulator();
 }
 
 void Environment::reset(std::span<const std::uint8_t> mask, std::span<const std::uint64_t> episodes) {

@@ -100,6 +100,7 @@ class EpisodeBatch {
   const EpisodeDraw& draw(int i) const { return states_[i].draw; }
   // Constants of the episode without those of its controller. Valid from its frame 0 on.
   EpisodeRecord record(int i) const;
+  Simulator& simulator() { return simulator_; }
   DeviceTraffic traffic() const { return simulator_.traffic(); }
   double timeOfFrame() const { return simulator_.timing().total; }  // s, device time; NaN unless plan.device_clock
 

@@ -37,6 +37,7 @@ SimulatorOptions EpisodePlan::simulatorOptions(int num_instances) const {
                            .outputs = outputs,
                            .max_regions = hasContactFeatures(outputs) ? max_regions : 0,
                            .vary_skin = variesSkin(scene.randomization),
+                           .export_memory = export_memory,
                            .device_clock = device_clock};
   if (!recording) return options;
   options.max_contacts = std::max(recording->maxPoints(), 1);

@@ -30,6 +30,7 @@ struct EpisodePlan {
   std::vector<TrueEdge> edges;  // (num_objects)
   bool starts_at_load;          // the force of the first frame is the load, as the taxels' forces on a level skin sum to it
   bool device_clock = false;    // whether the simulator measures its times
+  bool export_memory = false;   // whether another interface of the device imports outputs
   int host_threads = 0;         // that share the host's work for a batch; 0: hostThreads()
 
   SimulatorOptions simulatorOptions(int num_instances) const;

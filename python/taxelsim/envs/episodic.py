@@ -50,7 +50,8 @@ class EpisodicVectorEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]], ABC):
 
     def __init__(self, num_envs: int, autoreset_mode: AutoresetMode | str, render_mode: str | None, backend: str = "numpy") -> None:
         super().__init__()
-        self.backend, self._convert = backend, converter(backend)
+        self.backend = backend
+        self._convert = converter(backend)
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise InputError(f"render_mode: {render_mode!r} is not allowed: None and 'rgb_array'")
         self.render_mode = render_mode
@@ -107,6 +108,10 @@ class EpisodicVectorEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]], ABC):
         self._begin(mask)
         return self._given(self._observe()), self._given(_masked(self._info(), mask))
 
+    def _on_host(self, actions: Any) -> Any:
+        """Actions where checks and controllers read them."""
+        return actions
+
     def _given(self, value: Any) -> Any:
         """The arrays of `value` in the library of the backend."""
         return value if self.backend == "numpy" else converted(value, self._convert)
@@ -120,7 +125,7 @@ class EpisodicVectorEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]], ABC):
         self._check_usable()
         if self._ended is None:
             raise ResetNeeded("call reset() before step()")
-        actions = checked_actions(actions, self.action_space.shape or ())
+        actions = checked_actions(self._on_host(actions), self.action_space.shape or ())
         ended = self._ended
         if self.autoreset_mode is AutoresetMode.DISABLED and ended.any():
             raise ResetNeeded(
@@ -175,5 +180,5 @@ def _masked(info: dict[str, NDArray[Any]], mask: Mask) -> Infos:
 
 def _row(observation: Any, i: int) -> Any:
     if isinstance(observation, dict):
-        return {name: values[i].copy() for name, values in observation.items()}
-    return observation[i].copy()
+        return {name: _row(values, i) for name, values in observation.items()}
+    return observation[i].copy() if isinstance(observation, np.ndarray) else observation[i].clone()

@@ -14,11 +14,13 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .._core import TASK_MEASURES, Device, Scene
+from ..device_array import DeviceArray, platform_of
 from ..environment import Environment, Task, TaskState
 from ..errors import InputError
 from ..pictures import TactilePictures, noise_of
 from ..policies.actions import ActionMap
 from ..policies.observations import Bounds, ObservationBuilder, outputs_of
+from ..policies.values import TorchValues
 from .episodic import EpisodicVectorEnv, Mask
 from .rewards import Reward
 
@@ -40,6 +42,8 @@ class TactileVectorEnv(EpisodicVectorEnv):
     range: counts of the brightest colour of these pictures; default: the largest so far, beyond noise.
     device: an open Device, or the argument of Device.open().
     backend: library of the tensors that reset() and step() return, see EpisodicVectorEnv.
+    memory: where tactile images lie, as for Simulator. With "cuda" all tensors are on that GPU and actions may be, and backend must be
+        "torch"; counts and newtons of observations are computed there, and no image visits the host.
 
     Infos, from ground truth: `episode_key`, `success` (only at the end of an episode), `contact`, `num_losses`, `peak_force` (N),
     `load_reached`, and for each criterion of the task `<measure>_error` (rad, N or m; infinite without contact).
@@ -66,6 +70,7 @@ class TactileVectorEnv(EpisodicVectorEnv):
         range: float | None = None,
         device: Device | str = "",
         backend: str = "numpy",
+        memory: str = "host",
     ) -> None:
         super().__init__(num_envs, autoreset_mode, render_mode, backend)
         if not (np.isfinite(max_lost_time) and max_lost_time >= 0):
@@ -73,16 +78,19 @@ class TactileVectorEnv(EpisodicVectorEnv):
         self.scene = scene if isinstance(scene, Scene) else _core.load_scene(os.fspath(scene))
         self._task = Task.of(self.scene)
         opened = device if isinstance(device, Device) else Device.open(device)
+        images = self._images = self._images_in(memory, opened)
         outputs = outputs_of(observations, self.scene.sensor)
         self._draws_axes = render_mode is not None and self.scene.sensor.readout.three_axis is not None
         if self._draws_axes:
             outputs = outputs.replace(taxel_counts=True)
-        self._environment: Environment | None = Environment(opened, self.scene, self.num_envs, outputs=outputs)
+        self._environment: Environment | None = Environment(opened, self.scene, self.num_envs, outputs=outputs, memory=memory)
         self._period, self._num_frames = self._environment.control_period, self._environment.num_frames
         self.step_time = self._period * self._environment.dt
         self.max_episode_steps = -(-(self._num_frames - 1) // self._period)  #: steps of an episode that is not terminated
         layout = self._environment.layout
-        self._builder = ObservationBuilder(layout, observations, image_unit=image_unit, normalized=normalized, history=history, copy=copy)
+        self._builder = ObservationBuilder(
+            layout, observations, image_unit=image_unit, normalized=normalized, history=history, copy=copy, images=images
+        )
         self._actions = ActionMap(self.scene, action, actions, linear_scale, angular_scale)
         self._reward = reward or Reward()
         self._tolerances = np.array([self._task.tolerances.get(name, np.nan) for name in TASK_MEASURES])
@@ -96,6 +104,19 @@ class TactileVectorEnv(EpisodicVectorEnv):
         self.single_action_space = spaces.Box(-1, 1, (self.num_actions,), np.float32)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
+
+    def _images_in(self, memory: str, device: Device) -> TorchValues | None:
+        """The operations on images in the memory of a GPU; None: the host has them."""
+        if platform_of(memory, device) is None:
+            return None
+        if self.backend != "torch":
+            raise InputError(f"backend: {self.backend!r} is not allowed where memory is {memory!r}: 'torch'")
+        images = TorchValues()
+        self._convert = images.constant
+        return images
+
+    def _on_host(self, actions: Any) -> Any:
+        return actions if self._images is None or not hasattr(actions, "cpu") else actions.cpu()
 
     @property
     def _batch(self) -> Environment:
@@ -186,6 +207,8 @@ class TactileVectorEnv(EpisodicVectorEnv):
         num_sensors, num_taxels = self._layout.num_sensors, self._layout.sensor.num_taxels
         counts = self._frame.taxel_counts if self._draws_axes else self._frame.tactile_image
         axes = (3,) if self._draws_axes else ()
+        if isinstance(counts, DeviceArray):
+            counts = counts.copy()
         drawn = self._pictures.draw(counts.reshape(self.num_envs * num_sensors, num_taxels, *axes))
         return tuple(np.concatenate(group, axis=1) for group in drawn.reshape(self.num_envs, num_sensors, *drawn.shape[1:]))
 

@@ -32,6 +32,7 @@ from .._counts import IMAGE_UNITS
 from .._features import IMAGE_FEATURES
 from ..environment import NO_OUTPUTS, EnvironmentFrame, EnvironmentLayout
 from ..errors import InputError
+from .values import NumpyValues
 
 Values = NDArray[Any]
 
@@ -58,7 +59,8 @@ class _Block:
     bounds: Bounds
     scale: NDArray[np.float32]
     read: Callable[[EnvironmentFrame], Values]  # (N, *shape), SI units
-    live: bool = False  # read() returns memory that the next step changes
+    live: bool = False  # read() returns memory that the next step changes, perhaps that of a GPU
+    table: NDArray[np.float32] | None = None  # of what read() returns as indices; the values are its entries
     of_first_frame: bool = False  # holds the value of the first frame of the episode
 
 
@@ -109,7 +111,7 @@ def _taxel_counts(layout: EnvironmentLayout) -> _Block:
 def _newtons(layout: EnvironmentLayout) -> _Block:
     shape, table = (*_sensors(layout), *layout.image_shape), layout.newtons_of_counts()
     bounds = Bounds(np.zeros(shape, np.float32), np.full(shape, table[-1], np.float32))
-    return _Block(bounds, np.array(SCALES["N"], np.float32), lambda frame: table[frame.tactile_image])
+    return _Block(bounds, np.array(SCALES["N"], np.float32), lambda frame: frame.tactile_image, live=True, table=table)
 
 
 def _features(layout: EnvironmentLayout) -> _Block:
@@ -133,10 +135,6 @@ def _proprioception(layout: EnvironmentLayout) -> _Block:
     return _Block(_unbounded((num_values + layout.num_joints,)), scale, read)
 
 
-def _column(mask: NDArray[np.bool_], values: Values) -> NDArray[np.bool_]:
-    return mask.reshape(-1, *[1] * (values.ndim - 1))
-
-
 def outputs_of(names: str | Sequence[str], sensor: Sensor) -> OutputOptions:
     """Optional outputs that frames of the sensor need for these observations.
 
@@ -154,6 +152,7 @@ class ObservationBuilder:
     normalized: whether values are divided by SCALES.
     history: number of latest frames, oldest first, on an axis before the shape of one frame. It starts with copies of the first frame.
     copy: False returns live arrays that the next step overwrites. A rollout buffer must not keep them.
+    images: the operations on counts, of NumPy or of tensors where the images of frames lie.
 
     Raises what outputs_of() raises, which names the outputs that frames need.
     """
@@ -167,6 +166,7 @@ class ObservationBuilder:
         normalized: bool = False,
         history: int = 1,
         copy: bool = True,
+        images: NumpyValues | None = None,
     ) -> None:
         self.names = checked_names("observations", names, OBSERVATIONS)
         checked_names("image_unit", image_unit, IMAGE_UNITS)
@@ -183,6 +183,8 @@ class ObservationBuilder:
         self._normalized = normalized
         self._history = checked_count("history", history)
         self._copy = copy
+        host = NumpyValues()
+        self._operations = {name: images or host if block.live else host for name, block in self._blocks.items()}
         self._values: dict[str, Values] = {}
         self._first_values: dict[str, Values] = {}  # of the blocks `of_first_frame`
 
@@ -212,21 +214,25 @@ class ObservationBuilder:
         the frame has no values for them.
         """
         for name, block in self._blocks.items():
-            values = block.read(frame)
+            operations = self._operations[name]
+            values = operations.live(block.read(frame))
+            if block.table is not None:
+                values = operations.entries(block.table, values)
             if self._normalized:
-                values = np.divide(values, block.scale, dtype=np.float32)
+                values = operations.scaled(values, block.scale)
             if block.of_first_frame:
                 values = self._first(name, values, started)
             if self._history == 1:
-                self._values[name] = values if kept is None else np.where(_column(kept, values), self._values[name], values)
+                self._values[name] = values if kept is None else operations.where(kept, self._values[name], values)
                 continue
             if name not in self._values:
-                self._values[name] = np.zeros((len(values), self._history, *values.shape[1:]), values.dtype)
-            frames = self._values[name]
-            frames[rows, :-1] = frames[rows, 1:]
-            frames[rows, -1] = values[rows]
+                self._values[name] = operations.zeros((len(values), self._history, *values.shape[1:]), values)
+            frames, taken = self._values[name], operations.rows(rows)
+            frames[taken, :-1] = operations.copy(frames[taken, 1:])
+            frames[taken, -1] = values[taken]
             if started is not None:
-                frames[started] = values[started][:, np.newaxis]
+                first = operations.rows(started)
+                frames[first] = values[first][:, np.newaxis]
 
     def _first(self, name: str, values: Values, started: NDArray[np.bool_] | None) -> Values:
         first = self._first_values.setdefault(name, values.copy())
@@ -237,7 +243,7 @@ class ObservationBuilder:
 
     def detach(self) -> None:
         """Copies live values, so that a step does not change them."""
-        self._values = {name: values.copy() for name, values in self._values.items()}
+        self._values = {name: self._operations[name].copy(values) for name, values in self._values.items()}
 
     def observation(self, rows: NDArray[np.integer[Any]] | None = None) -> Any:
         """Latest observation of the instances `rows`, a copy; or of all."""
@@ -247,7 +253,9 @@ class ObservationBuilder:
     def _result(self, name: str, rows: NDArray[np.integer[Any]] | None) -> Values:
         values = self._values[name]
         if rows is not None:
-            chosen: Values = values[rows]
+            chosen: Values = values[self._operations[name].rows(rows)]
             return chosen
-        is_live = self._history > 1 or (self._blocks[name].live and not self._normalized)
-        return values.copy() if self._copy and is_live else values
+        block = self._blocks[name]
+        is_live = self._history > 1 or (block.live and block.table is None and not self._normalized)
+        copied: Values = self._operations[name].copy(values) if self._copy and is_live else values
+        return copied
