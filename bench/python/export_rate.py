@@ -2,14 +2,16 @@
 """Measures `taxelsim export` on one core: frames per second of processor time, and peak memory for a part of a data set and for all of it.
 
     PYTHONPATH=build/release/python build/venv/bin/python bench/python/export_rate.py DIR [--json FILE] [--formats lerobot-video ...]
+    ... export_rate.py DIR --formats oxt --parts 8 1 --options "--place left=0,right=1 --joints jaw=28"
 
-DIR: a data set, e.g. of `taxelsim generate scenes/edge_servo.yaml --episodes 16384`. Processor time includes the start of Python (0.3 s)
+DIR: a data set, e.g. of `taxelsim generate scenes/edge_servo.yaml --episodes 16384`, or of bench/scenes/two_pads_grasp.yaml for oxt. Processor time includes the start of Python (0.3 s)
 and the verification of checksums. Two peaks of memory: the resident set, with pages of uncompressed shards that the kernel may drop, and
 the anonymous part of it, which it may not.
 """
 
 import argparse
 import os
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -20,9 +22,8 @@ from report import machine, write_json
 
 import taxelsim
 
-FORMATS = ("lerobot", "zarr", "robomimic", "lerobot-video")
+FORMATS = ("lerobot", "zarr", "robomimic", "lerobot-video", "oxt")
 PERIOD = 0.01  # s, between two looks at the memory
-PARTS = (16, 1)  # of the episodes: a sixteenth, all
 
 
 def anonymous_bytes(process: int) -> int:
@@ -31,11 +32,11 @@ def anonymous_bytes(process: int) -> int:
     return next((int(line.split()[1]) << 10 for line in lines if line.startswith("RssAnon:")), 0)
 
 
-def measured(folder: Path, name: str, num_episodes: int, out: Path) -> tuple[float, float, int, int]:
+def measured(folder: Path, name: str, num_episodes: int, out: Path, options: list[str]) -> tuple[float, float, int, int]:
     """CPU s, wall s, peak bytes and peak anonymous bytes of an export of the first episodes."""
     kind, _, video = name.partition("-")
     command = [sys.executable, "-m", "taxelsim", "export", str(folder), "--format", kind, "-o", str(out)]
-    command += ["--episodes", f"0..{num_episodes - 1}"] + (["--video"] if video else [])
+    command += ["--episodes", f"0..{num_episodes - 1}"] + (["--video"] if video else []) + options
     begin = os.times().elapsed
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     anonymous = 0
@@ -54,17 +55,19 @@ def main() -> None:
     parser.add_argument("folder", type=Path, metavar="DIR")
     parser.add_argument("--json", type=Path, metavar="FILE")
     parser.add_argument("--formats", nargs="+", choices=FORMATS, default=FORMATS[:3], metavar="NAME")
+    parser.add_argument("--parts", nargs="+", type=int, default=(16, 1), metavar="N", help="of the episodes; default: a sixteenth, all")
+    parser.add_argument("--options", type=shlex.split, default=[], metavar="WORDS", help="further options of `taxelsim export`")
     options = parser.parse_args()
     os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     data = taxelsim.Dataset(options.folder)
     rows = []
     print("| format | frames | CPU s | wall s | frames/s of CPU time | peak MiB | anonymous MiB |\n|---|---|---|---|---|---|---|")
     for name in options.formats:
-        for part in PARTS:
+        for part in options.parts:
             episodes = max(1, data.num_episodes // part)
             frames = int(data.episode_ends[episodes - 1])
             with tempfile.TemporaryDirectory(dir=options.folder.parent) as root:
-                cpu, wall, peak, anonymous = measured(options.folder, name, episodes, Path(root) / "out")
+                cpu, wall, peak, anonymous = measured(options.folder, name, episodes, Path(root) / "out", options.options)
             print(
                 f"| {name} | {frames:,} | {cpu:.1f} | {wall:.1f} | {frames / cpu:,.0f} | {peak / 2**20:.0f} | {anonymous / 2**20:.0f} |",
                 flush=True,

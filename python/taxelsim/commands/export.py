@@ -44,17 +44,21 @@ def _parser() -> argparse.ArgumentParser:
     add("--state", type=_names, default=(), metavar="NAMES", help="columns of the state; default: joint positions and pose of the sensor")
     add("--columns", type=_names, default=(), metavar="NAMES", help="further columns, e.g. data/total_force,data/center_of_pressure")
     add("--tactile-in-state", action="store_true", help="appends the tactile image to the state, for policies that read nothing else")
-    add("--task", default=Options.task, metavar="TEXT", help="lerobot: text of the task, with {scene} and {object}; default: %(default)r")
+    add("--task", default=Options.task, metavar="TEXT", help="lerobot, oxt: text of the task, with {scene} and {object}; default: %(default)r")
     add("--tactile-key", default=Options.tactile_key, metavar="NAME", help="lerobot: name of the tactile image, default %(default)s")
     add("--video", action="store_true", help="lerobot: the tactile image as a video as well, of three-axis taxels with arrows")
-    add("--range", type=float, metavar="COUNTS", help="lerobot: brightest colour of the video; default: 99.9th percentile of the data set")
+    add("--range", type=float, metavar="COUNTS", help="lerobot, oxt: brightest colour of pictures; default: 99.9th percentile of the data set")
     add(
         "--assets",
         action="append",
         default=[],
         metavar="DIR",
-        help="lerobot: folder that holds a taxel mesh or URDF of the scene, for --video",
+        help="lerobot --video, oxt: folder that holds a taxel mesh or URDF of the scene",
     )
+    add("--place", type=_names, default=(), metavar="SENSOR=[SIDE:]AREA", help="oxt: functional areas of sensors, e.g. left=0,right=1")
+    add("--joints", type=_names, default=(), metavar="NAMES", help="oxt: NAME of the arm, NAME=SLOT of the hand, e.g. jaw=28; or none")
+    add("--wrist", type=_names, default=(), metavar="SENSORS", help="oxt: sensors whose poses stand for the wrists")
+    add("--camera", default=Options.camera, metavar="NAME", help="oxt: RGB stream, arrays (default) or scene, which is slow")
     add("--zarr-format", type=int, default=2, metavar="N", help="zarr: version of the format, 2 (default) or 3, which has shards")
     add("--next-observations", action="store_true", help="robomimic: writes next_obs, which offline reinforcement learning needs")
     return parser
@@ -72,6 +76,10 @@ def _options_of(options: argparse.Namespace) -> Options:
         video=options.video,
         range=options.range,
         assets=tuple(options.assets),
+        place=options.place,
+        joints=options.joints,
+        wrist=options.wrist,
+        camera=options.camera,
         zarr_format=options.zarr_format,
         next_observations=options.next_observations,
     )

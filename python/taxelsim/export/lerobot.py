@@ -114,8 +114,7 @@ class _Tables:
         self.vectors: dict[str, Feature] = {name: feature for name, feature in named.items() if feature is not None}
         self.columns = (*source.frame_columns(), "meta/episode", *source.episode_columns)
         self.flags = {"next.done": "bool"} | ({"next.reward": "float32", "next.success": "bool"} if source.has_success else {})
-        self.tasks = sorted(self._tasks())
-        self._task_indices = {task: index for index, task in enumerate(self.tasks)}
+        self.tasks, self._task_indices = source.tasks()
         self.video = _video_of(source, self.rate)
         self._numbers = self._features()
         self._videos = {key: self.video.feature() for key in self.video.keys} if self.video else {}
@@ -123,12 +122,8 @@ class _Tables:
         self.schema = pa.schema([(name, _arrow_type(feature)) for name, feature in self._numbers.items()])
         self.bytes_per_frame = sum(4 * feature["shape"][0] for feature in self._numbers.values())
 
-    def _task(self, name: str) -> str:
-        return self.source.options.task.replace("{scene}", self.source.scene_name).replace("{object}", name)
-
-    def _tasks(self) -> set[str]:
-        columns = ("meta/episode", *self.source.episode_columns)
-        return {self._task(name) for values in self.source.per_episode(columns) for name in set(self.source.labels(values))}
+    def _tasks_of(self, block: Block) -> NDArray[np.int32]:
+        return self._task_indices[block.first_episode : block.first_episode + block.num_episodes]
 
     def _features(self) -> dict[str, dict[str, Any]]:
         features = {name: {"dtype": "float32", "shape": [len(f.names)], "names": list(f.names)} for name, f in self.vectors.items()}
@@ -140,7 +135,6 @@ class _Tables:
         first, lengths = block.first_frame, block.lengths
         frame = np.arange(block.num_frames) - np.repeat(block.ends - lengths, lengths)
         episode = np.repeat(np.arange(block.num_episodes), lengths)
-        tasks = np.array([self._task_indices[self._task(name)] for name in self.source.labels(block.values)])
         is_last = np.zeros(block.num_frames, np.bool_)
         is_last[block.ends - 1] = True
         arrays: dict[str, NDArray[Any]] = {name: feature.vectors(block.values) for name, feature in self.vectors.items()}
@@ -148,7 +142,7 @@ class _Tables:
         if SUCCESS in self.columns:
             arrays["next.success"] = is_last & (block.values[SUCCESS][episode] == 1)
             arrays["next.reward"] = arrays["next.success"].astype(np.float32)
-        arrays |= {"timestamp": (frame / self.rate).astype(np.float32), "frame_index": frame, "task_index": tasks[episode]}
+        arrays |= {"timestamp": (frame / self.rate).astype(np.float32), "frame_index": frame, "task_index": self._tasks_of(block)[episode].astype(np.int64)}
         arrays |= {"episode_index": episode + block.first_episode, "index": np.arange(first, first + block.num_frames)}
         return {name: arrays[name].reshape(block.num_frames, -1) for name in self._numbers}
 
@@ -166,7 +160,7 @@ class _Tables:
         count, ends = block.num_episodes, block.ends + block.first_frame
         columns: dict[str, Any] = {
             "episode_index": np.arange(block.first_episode, block.first_episode + count),
-            "tasks": [[self._task(name)] for name in self.source.labels(block.values)],
+            "tasks": [[self.tasks[task]] for task in self._tasks_of(block)],
             "length": block.lengths,
             "dataset_from_index": ends - block.lengths,
             "dataset_to_index": ends,

@@ -35,6 +35,12 @@ FORMATS = {
         "lerobot", ("pyarrow",), (*_VECTORS, "task", "tactile_key", "video", "range", "assets"), "a folder: LeRobotDataset v3.0"
     ),
     "zarr": Format("replay_buffer", ("zarr",), (*_VECTORS, "zarr_format"), "a folder: data/ and meta/episode_ends, as in Diffusion Policy"),
+    "oxt": Format(
+        "oxt",
+        ("zarr",),
+        ("columns", "task", "range", "assets", "place", "joints", "wrist", "camera"),
+        "a folder: Open-X-Tactile, Zarr 2 as FTP-1 reads it",
+    ),
     "robomimic": Format("robomimic", ("h5py",), (*_VECTORS, "next_observations"), "a file: HDF5 with data/demo_N"),
     "mcap": Format("ros2", ("mcap_ros2",), (), "a folder: one MCAP file with ROS 2 messages per episode"),
 }
@@ -88,7 +94,7 @@ def _checked(format_name: str, options: Options) -> Format:
             raise InputError(f"{field.name}: not an option of format {format_name}")
     if options.range is not None:
         checked_positive("range", options.range)
-        if not options.video:
+        if "video" in chosen.options and not options.video:
             raise InputError("range: needs video")
     if options.zarr_format not in (2, 3):
         raise InputError(f"zarr_format: {options.zarr_format} is not allowed: 2 and 3")

@@ -95,6 +95,23 @@ class Source:
         objects = re.findall(r"^    - name: (.*)$", self._manifest(r"^  objects:\n((?:    .*\n)+)"), re.MULTILINE)
         return [" and ".join(name.strip('"') for name in objects)] * len(values["meta/episode"])
 
+    def tasks(self) -> tuple[list[str], NDArray[np.int32]]:
+        """The different texts of the task, sorted, and the index of that of each episode (num_episodes)."""
+        columns = ("meta/episode", *self.episode_columns)
+        known: dict[str, int] = {}
+        found = [known.setdefault(name, len(known)) for values in self.per_episode(columns) for name in self.labels(values)]
+        texts = [self.task_of(name) for name in known]
+        tasks = sorted(set(texts))
+        return tasks, np.array([tasks.index(text) for text in texts], np.int32)[np.array(found, np.int32)]
+
+    def task_of(self, label: str) -> str:
+        """Text of the task of an episode with this label."""
+        return self.options.task.replace("{scene}", self.scene_name).replace("{object}", label)
+
+    def episode_number(self, episode: int) -> int:
+        """Number in the scene of an episode of the export."""
+        return int(self.data["meta/episode"][self._first_episode + episode])
+
     def named_tactile(self, name: str, joint: str) -> dict[str, Feature]:
         """The tactile images under `name`, followed by `joint` and the name of the sensor where each has columns of its own."""
         return {f"{name}{joint}{sensor}" if sensor else name: feature for sensor, feature in self.tactile.items()}

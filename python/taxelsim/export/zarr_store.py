@@ -44,20 +44,22 @@ class ZarrStore:
     def __init__(self, folder: Path, source: Source, rows: Mapping[str, Row], piece: int, version: int = 2) -> None:
         self._folder, self._source, self._rows, self._piece, self._version = folder, source, rows, piece, version
         self._done = int((folder / _DONE).read_text()) if (folder / _DONE).exists() else 0
-        self._root = zarr.open_group(folder, mode="a", zarr_format=2 if version == 2 else 3)
-        data = self._root.require_group("data")
-        if not self._done:
-            for name, row in rows.items():
-                self._create(data, name, row)
-        self._arrays = {name: data[name] for name in rows}
+        # Chunks of zeros are written as well: to compare them with zero would take a third of the time.
+        with zarr.config.set({"array.write_empty_chunks": True}):
+            self._root = zarr.open_group(folder, mode="a", zarr_format=2 if version == 2 else 3)
+            data = self._root.require_group("data")
+            if not self._done:
+                for name, row in rows.items():
+                    self._create(data, name, row)
+            self._arrays = {name: data[name] for name in rows}
 
     def _create(self, data: Any, name: str, row: Row) -> None:
         storage: dict[str, Any] = {"compressors": numcodecs.Blosc("lz4", clevel=5, shuffle=numcodecs.Blosc.SHUFFLE)}
         if self._version == 3:
             codec = BloscCodec(cname="lz4", clevel=5, shuffle=BloscShuffle.shuffle)
             storage = {"compressors": codec, "shards": (self._piece, *row.shape)}
-        shape, chunks = (self._source.num_frames, *row.shape), (row.chunk, *row.shape)
-        array = data.create_array(name, shape=shape, chunks=chunks, dtype=row.dtype, overwrite=True, **storage)
+        storage |= {"shape": (self._source.num_frames, *row.shape), "chunks": (row.chunk, *row.shape), "dtype": row.dtype}
+        array = data.create_array(name, overwrite=True, **storage)
         array.attrs.update(row.attributes)
 
     def write(self, values_of: Callable[[int, int], Mapping[str, NDArray[Any]]], report: Callable[[int], None]) -> None:
@@ -80,11 +82,9 @@ class ZarrStore:
         for file in files:
             file.unlink(missing_ok=True)  # of an interrupted export, which Zarr would read to change it
         self._arrays[name][first:end] = values
-        folders = set()
-        for file in filter(Path.exists, files):  # those of zeros only are not written
+        for file in files:
             sync(file)
-            folders.add(file.parent)
-        for folder in folders:
+        for folder in {file.parent for file in files}:
             sync(folder)
 
     def _files(self, name: str, first: int, end: int) -> list[Path]:
