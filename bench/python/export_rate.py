@@ -4,7 +4,8 @@
     PYTHONPATH=build/release/python build/venv/bin/python bench/python/export_rate.py DIR [--json FILE] [--formats lerobot-video ...]
     ... export_rate.py DIR --formats oxt --parts 8 1 --options "--place left=0,right=1 --joints jaw=28"
 
-DIR: a data set, e.g. of `taxelsim generate scenes/edge_servo.yaml --episodes 16384`, or of bench/scenes/two_pads_grasp.yaml for oxt. Processor time includes the start of Python (0.3 s)
+DIR: a data set, e.g. of `taxelsim generate scenes/edge_servo.yaml --episodes 16384`, or of bench/scenes/two_pads_grasp.yaml for oxt.
+Processor time includes the start of Python (0.3 s)
 and the verification of checksums. Two peaks of memory: the resident set, with pages of uncompressed shards that the kernel may drop, and
 the anonymous part of it, which it may not.
 """

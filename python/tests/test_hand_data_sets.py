@@ -82,7 +82,7 @@ def test_exports_have_all_sensors_or_one(grasped: Path, tmp_path: Path) -> None:
     assert {f"/tactile/{name}/image" for name in SENSORS} <= topics
     with pytest.raises(taxelsim.InputError, match="data/action, which robomimic needs"):
         export(grasped, tmp_path / "robomimic", "robomimic")
-    assert set(FORMATS) == {"zarr", "lerobot", "mcap", "robomimic"}
+    assert set(FORMATS) == {"zarr", "oxt", "lerobot", "mcap", "robomimic"}
 
 
 @pytest.mark.parametrize("sensor", [None, "right"])

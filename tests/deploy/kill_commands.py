@@ -44,7 +44,7 @@ yaw_deg: [0, 45]
 loads: [1, 2, 4]
 """
 MEASUREMENTS = [str(SCENES / "measurements" / f"{name}.yaml") for name in ("force_depth", "step_response")]
-FORMATS = {"lerobot": [], "zarr": [], "mcap": [], "robomimic": ["--next-observations"]}
+FORMATS = {"lerobot": [], "zarr": [], "oxt": [], "mcap": [], "robomimic": ["--next-observations"]}
 
 
 def files_of(path):

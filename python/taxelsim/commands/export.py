@@ -44,10 +44,15 @@ def _parser() -> argparse.ArgumentParser:
     add("--state", type=_names, default=(), metavar="NAMES", help="columns of the state; default: joint positions and pose of the sensor")
     add("--columns", type=_names, default=(), metavar="NAMES", help="further columns, e.g. data/total_force,data/center_of_pressure")
     add("--tactile-in-state", action="store_true", help="appends the tactile image to the state, for policies that read nothing else")
-    add("--task", default=Options.task, metavar="TEXT", help="lerobot, oxt: text of the task, with {scene} and {object}; default: %(default)r")
+    add(
+        "--task",
+        default=Options.task,
+        metavar="TEXT",
+        help="lerobot, oxt: text of the task, with {scene} and {object}; default %(default)r",
+    )
     add("--tactile-key", default=Options.tactile_key, metavar="NAME", help="lerobot: name of the tactile image, default %(default)s")
     add("--video", action="store_true", help="lerobot: the tactile image as a video as well, of three-axis taxels with arrows")
-    add("--range", type=float, metavar="COUNTS", help="lerobot, oxt: brightest colour of pictures; default: 99.9th percentile of the data set")
+    add("--range", type=float, metavar="COUNTS", help="lerobot, oxt: brightest colour; default: 99.9th percentile of the data set")
     add(
         "--assets",
         action="append",

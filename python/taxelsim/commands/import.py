@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ..errors import InputError
-from ..recordings import KINDS, Measurement, read_csv, read_lerobot, write_measurement
+from ..recordings import KINDS, Measurement, Recording, read_csv, read_lerobot, read_oxt, write_measurement
 from ..recordings.measurement import QUANTITIES, TIME_UNITS
 from .running import run_command
 
@@ -22,20 +22,18 @@ KEYS = ("indenter", "load", "fixture", "mask", "pixel_mm", "temperature_degC")  
 
 
 def _run(options: argparse.Namespace) -> None:
-    is_folder = options.source.is_dir()
-    if options.episode is not None and not is_folder:
-        raise InputError("--episode: for folders of a LeRobotDataset only")
-    recording = read_lerobot(options.source, options.episode) if is_folder else read_csv(options.source, options.delimiter)
+    recording = _recording(options)
     keys = {key: getattr(options, key) for key in KEYS if getattr(options, key) is not None}
     what = Measurement(
         kind=options.measurement,
         sensor=options.sensor,
         taxels=options.taxels,
         time=options.time or "",
-        time_unit=options.time_unit,
+        time_unit=options.time_unit or "",
         quantities=dict(options.column),
         taxel=options.taxel,
         falling=options.falling,
+        unit=options.unit or "",
         scale=options.scale,
         keys=keys,
     )
@@ -43,21 +41,37 @@ def _run(options: argparse.Namespace) -> None:
     print(f"wrote {options.out} and {table}")
 
 
+def _recording(options: argparse.Namespace) -> Recording:
+    """The recording of a folder or file, by what it holds."""
+    source, episode = options.source, options.episode
+    if options.window and not (source / "meta/info.json").exists():
+        raise InputError("--window: for folders of a LeRobotDataset only")
+    if (source / ".zgroup").exists() or (source / "zarr.json").exists():
+        return read_oxt(source, episode)
+    if source.is_dir():
+        return read_lerobot(source, episode, options.window)
+    if episode is not None:
+        raise InputError("--episode: for folders of a LeRobotDataset or an Open-X-Tactile set only")
+    return read_csv(source, options.delimiter)
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="taxelsim import", description=__doc__)
     add = parser.add_argument
-    add("source", metavar="SOURCE", type=Path, help="CSV file, or folder of a LeRobotDataset (version 2 or 3)")
+    add("source", metavar="SOURCE", type=Path, help="CSV file, folder of a LeRobotDataset (version 2 or 3) or of Open-X-Tactile")
     add("--sensor", required=True, type=Path, metavar="FILE", help="sensor file: the layout of the taxels")
     add("--measurement", required=True, metavar="KIND", help=f"one of {', '.join(KINDS)}")
     add("-o", "--out", required=True, type=Path, metavar="NAME.yaml", help="measurement to write; its table is NAME.csv")
     add("--taxels", default=Measurement.taxels, metavar="PATTERN", help="columns of the taxels, default %(default)s; also {taxel}")
-    add("--episode", type=int, metavar="N", help="one episode of a LeRobotDataset, default all")
+    add("--episode", type=int, metavar="N", help="one episode of a folder, default all")
+    add("--window", action="append", default=[], metavar="FEATURE", help="LeRobotDataset: a feature whose first axis is time; repeatable")
     add("--time", metavar="COLUMN", help="column of the time; default none")
-    add("--time-unit", choices=TIME_UNITS, default="s", help="default s")
+    add("--time-unit", choices=TIME_UNITS, help="default: as the recording states it, or as the name of the column ends (time_ms)")
     add("--column", type=_column, action="append", default=[], metavar="NAME=COLUMN", help=f"NAME: {', '.join(QUANTITIES)}; repeatable")
     add("--taxel", type=int, metavar="N", help="force_curve: the taxel that is pressed, in storage order")
     add("--falling", action="store_true", help="readings fall with force, as of a voltage divider")
-    add("--scale", type=float, default=1.0, metavar="X", help="counts per unit of the readings, default 1")
+    add("--unit", metavar="UNIT", help="of the readings: counts, or another one with --scale; default: as the recording states it")
+    add("--scale", type=float, metavar="X", help="counts per unit of the readings; 1 for counts")
     add("--delimiter", default=",", metavar="C", help="of the CSV file, default a comma")
     add("--indenter", metavar="YAML", help='e.g. "{stamp: {size_mm: [10, 10]}}"')
     add("--load", metavar="N", help="weight in newtons")

@@ -142,7 +142,8 @@ class _Tables:
         if SUCCESS in self.columns:
             arrays["next.success"] = is_last & (block.values[SUCCESS][episode] == 1)
             arrays["next.reward"] = arrays["next.success"].astype(np.float32)
-        arrays |= {"timestamp": (frame / self.rate).astype(np.float32), "frame_index": frame, "task_index": self._tasks_of(block)[episode].astype(np.int64)}
+        tasks = self._tasks_of(block)[episode].astype(np.int64)
+        arrays |= {"timestamp": (frame / self.rate).astype(np.float32), "frame_index": frame, "task_index": tasks}
         arrays |= {"episode_index": episode + block.first_episode, "index": np.arange(first, first + block.num_frames)}
         return {name: arrays[name].reshape(block.num_frames, -1) for name in self._numbers}
 

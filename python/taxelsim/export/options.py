@@ -14,16 +14,14 @@ class Options:
     state: tuple[str, ...] = ()  #: Columns of the state. Empty: joint positions and pose of the sensor, where recorded.
     columns: tuple[str, ...] = ()  #: Further columns of data/.
     tactile_in_state: bool = False  #: Appends the tactile image to the state, for policies that read the state only.
-    task: str = "{scene}: {object}"  #: LeRobot, Open-X-Tactile: text of the task. {scene}, {object}: names of the scene and of the episode's object.
+    task: str = "{scene}: {object}"  #: LeRobot, oxt: text of the task. {scene}, {object}: names of the scene and of the episode's object.
     tactile_key: str = "observation.tactile"  #: LeRobot: name of the tactile image.
     video: bool = False  #: LeRobot: the tactile image as a video as well.
-    range: float | None = (
-        None  #: LeRobot, Open-X-Tactile: counts of the brightest colour. None: from the data set, as `taxelsim render` draws it.
-    )
-    assets: tuple[str, ...] = ()  #: LeRobot, Open-X-Tactile: folders that are searched for a taxel mesh or URDF of the scene, which pictures need.
-    place: tuple[str, ...] = ()  #: Open-X-Tactile: SENSOR=AREA or SENSOR=SIDE:AREA, the functional areas of sensors.
-    joints: tuple[str, ...] = ()  #: Open-X-Tactile: [SIDE:]NAME of joints of the arm, [SIDE:]NAME=SLOT of the hand. ("none",): no joints.
-    wrist: tuple[str, ...] = ()  #: Open-X-Tactile: names of the sensors whose poses stand for the wrists. Empty: the only one of a side.
-    camera: str = "arrays"  #: Open-X-Tactile: RGB stream, "arrays" or "scene" (slow; one sensor).
+    range: float | None = None  #: LeRobot, oxt: counts of the brightest colour. None: from the data set, as `taxelsim render` draws it.
+    assets: tuple[str, ...] = ()  #: LeRobot, oxt: folders that are searched for a taxel mesh or URDF of the scene, which pictures need.
+    place: tuple[str, ...] = ()  #: oxt: SENSOR=AREA or SENSOR=SIDE:AREA, the functional areas of sensors.
+    joints: tuple[str, ...] = ()  #: oxt: [SIDE:]NAME of joints of the arm, [SIDE:]NAME=SLOT of the hand. ("none",): no joints.
+    wrist: tuple[str, ...] = ()  #: oxt: names of the sensors whose poses stand for the wrists. Empty: the only one of a side.
+    camera: str = "arrays"  #: oxt: RGB stream, "arrays" or "scene" (slow; one sensor).
     zarr_format: int = 2  #: Zarr: 2 or 3. 3 packs chunks into shards.
     next_observations: bool = False  #: robomimic: next_obs as well, for offline reinforcement learning.

@@ -72,7 +72,8 @@ class _Scene:
     def __init__(self, source: Source, layout: Layout) -> None:
         self._source = source
         self._assets = [*map(str, source.options.assets), str(SCENES)]
-        self._episode, self._pictures = -1, None
+        self._episode = -1
+        self._pictures: Any = None  # of that episode
         self.shape = self._draw(0).shape
         self.about = {"shows": "drawn, no camera: sensor and object in 3-D, tactile image and curves, as `taxelsim render`"}
 
@@ -87,7 +88,8 @@ class _Scene:
         picture = self._pictures.draw(frame - int(ends[episode - 1] if episode else 0))
         height, width = (side // _REDUCED for side in picture.shape[:2])
         blocks = picture[: height * _REDUCED, : width * _REDUCED].reshape(height, _REDUCED, width, _REDUCED, 3)
-        return blocks.mean(axis=(1, 3)).round().astype(np.uint8)
+        reduced: NDArray[np.uint8] = blocks.mean(axis=(1, 3)).round().astype(np.uint8)
+        return reduced
 
     def _open(self, episode: int) -> Any:
         from .._pictures import EpisodePictures  # needs Cairo

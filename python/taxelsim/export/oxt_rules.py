@@ -47,7 +47,7 @@ class Store:
 
     def groups(self) -> Iterator[tuple[str, str]]:
         """Side and name of the tactile groups that have at least one member."""
-        found = {}
+        found: dict[tuple[str, str], None] = {}
         for name in self.arrays:
             side, _, rest = name.partition("_tactile_")
             member, _, group = rest.partition("_")
@@ -293,10 +293,12 @@ RULES = (
     Rule("images (T, N, H, W, 3)", "README 3.2, loader", _images),
     Rule("poses (T, 6): x y z and rotation vector", "README 3.1, 4.2", _poses),
     Rule(f"at most {MAX_ARM_JOINTS} joints of an arm", "loader, model", _arms),
-    Rule(f"joints of a hand with their slots, 0 to {NUM_HAND_SLOTS - 1}, {GRIPPER_SLOT} a gripper", "README 4.3, model", _hands, reads_values=True),
+    Rule(
+        f"joints of a hand with slots, 0 to {NUM_HAND_SLOTS - 1}, {GRIPPER_SLOT} a gripper", "README 4.3, model", _hands, reads_values=True
+    ),
     Rule("a state from which actions are derived", "README 4.1", _states),
     Rule("numbers are finite", "loader", _finite, reads_values=True),
-    Rule("no type `matrix`, which released sets have and the README does not", "README 3.2", _released_types, is_note=True, reads_values=True),
+    Rule("no type `matrix`, which released sets have", "README 3.2", _released_types, is_note=True, reads_values=True),
     Rule("the folder is called NAME.zarr", "README 2.1, loader", _name, is_note=True),
     Rule("sides with touch have hand joints", "loader", _read_sides, is_note=True),
 )

@@ -65,7 +65,8 @@ class ZarrStore:
     def write(self, values_of: Callable[[int, int], Mapping[str, NDArray[Any]]], report: Callable[[int], None]) -> None:
         """Writes all frames that are not there yet.
 
-        values_of: arrays (end - first, ...) by name of the frames [first, end). report: called with the number of frames since its last call.
+        values_of: arrays (end - first, ...) by name of the frames [first, end).
+        report: called with the number of frames since its last call.
         """
         report(self._done)
         for first in range(self._done, self._source.num_frames, self._piece):

@@ -1,6 +1,9 @@
 """Recordings of real sensors as measurements for `characterize` and `compare` (docs/reference/measurements.md)."""
 
+from .lerobot import read_lerobot
 from .measurement import KINDS, Measurement, write_measurement
-from .recording import Recording, read_csv, read_lerobot
+from .open_x_tactile import read_oxt
+from .recording import Recording
+from .tables import read_csv
 
-__all__ = ["KINDS", "Measurement", "Recording", "read_csv", "read_lerobot", "write_measurement"]
+__all__ = ["KINDS", "Measurement", "Recording", "read_csv", "read_lerobot", "read_oxt", "write_measurement"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -15,11 +15,12 @@ from .._arguments import checked_positive
 from .._core import Sensor, load_sensor
 from ..errors import InputError
 from ..export.staging import new_file
-from .recording import Recording
+from .recording import Block, Recording
 
 KINDS = ("images", "stamp_images", "point_images", "footprint_images", "uniform_press", "step_response", "force_curve")
 QUANTITIES = ("x_m", "x_mm", "y_m", "y_mm", "yaw_rad", "yaw_deg", "force_N", "force_mN", "pressure_Pa", "pressure_kPa", "press")
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+COUNTS = "counts"
 
 
 @dataclass(frozen=True)
@@ -30,11 +31,12 @@ class Measurement:
     sensor: Path  #: Sensor file.
     taxels: str = "r{row}_c{col}"  #: Pattern of the names of the taxels' columns: {row} and {col} of one grid, {taxel} in storage order.
     time: str = ""  #: Column of the time. Its first value becomes 0.
-    time_unit: str = "s"
+    time_unit: str = ""  #: One of TIME_UNITS. Empty: as the recording states it, or as the name of the column ends, such as time_ms.
     quantities: Mapping[str, str] = field(default_factory=dict)  #: Columns of positions and forces by their name in the table (QUANTITIES).
     taxel: int | None = None  #: force_curve: the taxel that is pressed.
     falling: bool = False  #: Readings fall with force: counts are what a reading is below the largest one of its taxel.
-    scale: float = 1.0  #: Counts per unit of the readings.
+    unit: str = ""  #: Of the readings: counts, or another one with a scale. Empty: as the recording states it.
+    scale: float | None = None  #: Counts per unit of the readings. None: 1, for readings in counts.
     keys: Mapping[str, str] = field(default_factory=dict)  #: Further keys of the YAML file (indenter, load, ...), as text.
 
 
@@ -50,47 +52,101 @@ def write_measurement(recording: Recording, what: Measurement, out: Path) -> Pat
             raise InputError(f"{file}: exists; choose another output or remove it")
     if not out.parent.is_dir():
         raise InputError(f"{out}: its folder {out.parent} does not exist")
-    if what.time_unit not in TIME_UNITS:
-        raise InputError(f"time_unit: {what.time_unit!r} is not allowed: {', '.join(TIME_UNITS)}")
-    checked_positive("scale", what.scale)
     for key, value in what.keys.items():
         if len(value.splitlines()) != 1:
             raise InputError(f"{key}: {value!r} is not allowed: one line")
     sensor = load_sensor(what.sensor)
-    columns = _table_of(recording, what, sensor)
-    lines = [",".join(columns), *(",".join(f"{value:.10g}" for value in row) for row in np.stack(list(columns.values()), axis=1))]
+    rows = _Table(recording, what, sensor).rows()
     keys = {"measurement": what.kind, "sensor": json.dumps(os.path.relpath(what.sensor, out.parent)), "table": json.dumps(table.name)}
     if len(sensor.patches) > 1 and what.kind not in ("step_response", "force_curve"):
         keys["taxel_columns"] = '"t{taxel}"'
     content = "format_version: 1\n" + "".join(f"{key}: {value}\n" for key, value in {**keys, **what.keys}.items())
-    for file, text in ((table, "\n".join(lines) + "\n"), (out, content)):  # the table first: the YAML file makes it a measurement
-        with new_file(file) as temporary:
-            temporary.write_text(text, encoding="utf-8")
+    with new_file(table) as temporary, temporary.open("w", encoding="utf-8") as stream:
+        for number, block in enumerate(rows):
+            if number == 0:
+                stream.write(",".join(block) + "\n")
+            np.savetxt(stream, np.stack(list(block.values()), axis=1), fmt="%.10g", delimiter=",")
+        stream.flush()
+    with new_file(out) as temporary:  # after the table: the YAML file makes it a measurement
+        temporary.write_text(content, encoding="utf-8")
     return table
 
 
-def _table_of(recording: Recording, what: Measurement, sensor: Sensor) -> dict[str, NDArray[np.float64]]:
-    """Columns of the table by name."""
-    columns: dict[str, NDArray[np.float64]] = {}
-    if what.time:
-        times = recording.column(what.time) * TIME_UNITS[what.time_unit]
-        if (np.diff(times) <= 0).any():
-            row = int(np.argmax(np.diff(times) <= 0)) + 1
-            raise InputError(f"{recording.source}: {what.time}: row {row} is not later than the row before; choose one episode, or no time")
-        columns["time_s"] = times - times[0]
-    for name, source in what.quantities.items():
-        if name not in QUANTITIES:
-            raise InputError(f"column: {name!r} is not allowed: {', '.join(QUANTITIES)}")
-        columns[name] = recording.column(source)
-    names = _taxel_names(what.taxels, sensor)
-    counts = {name: _counts(recording.column(source), what) for name, source in names.items()}
-    if what.kind == "step_response":
-        return {**columns, "counts": np.sum(list(counts.values()), axis=0)}
-    if what.kind != "force_curve":
-        return {**columns, **counts}
-    if what.taxel is None or not 0 <= what.taxel < len(names):
-        raise InputError(f"taxel: {what.taxel} is not allowed: 0 to {len(names) - 1} for force_curve")
-    return {**columns, "taxel": np.full(len(next(iter(counts.values()))), float(what.taxel)), "counts": counts[list(names)[what.taxel]]}
+class _Table:
+    """The table of a measurement, in blocks of rows."""
+
+    def __init__(self, recording: Recording, what: Measurement, sensor: Sensor) -> None:
+        """Throws InputError for columns and units that the recording does not have."""
+        self._recording, self._what = recording, what
+        self._taxels = _taxel_names(what.taxels, sensor)
+        wrong = next((name for name in what.quantities if name not in QUANTITIES), None)
+        if wrong is not None:
+            raise InputError(f"column: {wrong!r} is not allowed: {', '.join(QUANTITIES)}")
+        if what.kind == "force_curve" and (what.taxel is None or not 0 <= what.taxel < len(self._taxels)):
+            raise InputError(f"taxel: {what.taxel} is not allowed: 0 to {len(self._taxels) - 1} for force_curve")
+        self._seconds = TIME_UNITS[_time_unit(recording, what)] if what.time else 0.0
+        self._scale = _scale(recording, what, next(iter(self._taxels.values())))
+        time = [what.time] if what.time else []
+        self._columns = tuple(dict.fromkeys((*time, *what.quantities.values(), *self._taxels.values())))
+
+    def rows(self) -> Iterator[Block]:
+        """Columns of the table by name. Reads a recording with falling readings twice, for the largest reading of each taxel."""
+        largest: dict[str, float] = {}
+        if self._what.falling:
+            for block in self._recording.blocks(tuple(self._taxels.values())):
+                largest = {name: max(largest.get(name, -np.inf), float(values.max())) for name, values in block.items()}
+        times: tuple[float, float, int] | None = None  # of the first and of the last row, and number of rows so far
+        for block in self._recording.blocks(self._columns):
+            columns: Block = {}
+            if self._what.time:
+                found = block[self._what.time] * self._seconds
+                first, last, rows = times or (float(found[0]), -np.inf, 0)
+                falls = np.flatnonzero(np.diff(found, prepend=last) <= 0)
+                if len(falls):
+                    raise InputError(
+                        f"{self._recording.source}: {self._what.time}: row {rows + falls[0]} is not later than the row before; "
+                        "choose one episode, or no time"
+                    )
+                times = first, float(found[-1]), rows + len(found)
+                columns["time_s"] = found - first
+            columns |= {name: block[source] for name, source in self._what.quantities.items()}
+            counts = {name: self._counts(block[source], largest.get(source)) for name, source in self._taxels.items()}
+            yield columns | self._readings(counts)
+
+    def _counts(self, readings: NDArray[np.float64], largest: float | None) -> NDArray[np.float64]:
+        return (readings if largest is None else largest - readings) * self._scale
+
+    def _readings(self, counts: Block) -> Block:
+        """Columns with the readings, for the kind of measurement."""
+        if self._what.kind == "step_response":
+            return {"counts": np.sum(list(counts.values()), axis=0)}
+        if self._what.kind != "force_curve":
+            return counts
+        pressed = counts[list(counts)[self._what.taxel or 0]]
+        return {"taxel": np.full(len(pressed), float(self._what.taxel or 0)), "counts": pressed}
+
+
+def _time_unit(recording: Recording, what: Measurement) -> str:
+    stated = recording.unit_of(what.time) or next((unit for unit in TIME_UNITS if what.time.endswith(f"_{unit}")), "")
+    unit = what.time_unit or stated
+    if not unit:
+        raise InputError(f"{recording.source}: the unit of {what.time} is not stated: --time-unit {', '.join(TIME_UNITS)}")
+    if unit not in TIME_UNITS:
+        raise InputError(f"time_unit: {unit!r} is not allowed: {', '.join(TIME_UNITS)}")
+    return unit
+
+
+def _scale(recording: Recording, what: Measurement, taxel: str) -> float:
+    """Counts per unit of the readings."""
+    stated = recording.unit_of(taxel)
+    unit = what.unit or stated
+    if not unit:
+        raise InputError(f"{recording.source}: the unit of {taxel} is not stated: --unit counts, or another one with --scale")
+    if stated and unit != stated:
+        raise InputError(f"{recording.source}: unit: {unit!r} is not allowed: {taxel} is in {stated}")
+    if what.scale is None and unit != COUNTS:
+        raise InputError(f"{recording.source}: {taxel} is in {unit}: --scale, counts per {unit}, is needed")
+    return 1.0 if what.scale is None else checked_positive("scale", what.scale)
 
 
 def _taxel_names(pattern: str, sensor: Sensor) -> dict[str, str]:
@@ -110,7 +166,3 @@ def _filled(pattern: str, **values: int) -> str:
     if name == pattern:
         raise InputError(f"taxels: {pattern!r} found; it names one column: use {{{'}, {'.join(values)}}}")
     return name
-
-
-def _counts(readings: NDArray[np.float64], what: Measurement) -> NDArray[np.float64]:
-    return (readings.max() - readings if what.falling else readings) * what.scale

@@ -141,6 +141,29 @@ def test_zarr_2_reads_the_buffer_and_a_network_trains_one_epoch(data):
     assert_learns(losses)
 
 
+def test_zarr_2_reads_open_x_tactile_by_side_group_and_area():
+    """The columns that FTP-1's loader takes; the loader itself is not on PyPI."""
+    import zarr
+
+    root, data = zarr.open(str(EXPORTS / "grasp.zarr"), mode="r"), taxelsim.Dataset(EXPORTS / "grasp")
+    arrays = root["data"]
+    for array in arrays.values():  # as its replay buffers check it
+        assert array.shape[0] == root["meta/episode_ends"][-1] == data.num_frames
+    pads = {"left": ("right", "fingertip_6x4", 0), "right": ("left", "wts0614_soft_cover", 0), "below": ("right", "fingertip_6x4", 1)}
+    for name, (side, group, index) in pads.items():
+        np.testing.assert_array_equal(arrays[f"{side}_tactile_data_{group}"][:, index], data[f"data/{name}/tactile_image"][:])
+        assert arrays[f"{side}_tactile_type_{group}"][-1] == "state"
+        assert arrays[f"{side}_tactile_sensor_{group}"][-1] == group
+    assert arrays["right_tactile_area_fingertip_6x4"][-1].astype(np.int32).tolist() == [0, 2]
+    assert arrays["left_tactile_area_wts0614_soft_cover"][-1].astype(np.int32).tolist() == [1]
+    slots = np.zeros((data.num_frames, 2, 32))  # as it scatters joints to slots
+    for index, side in enumerate(("right", "left")):
+        slots[:, index, arrays[f"{side}_hand_joints_idx"][-1].astype(np.int32)] = arrays[f"{side}_hand_joints"][:]
+    np.testing.assert_array_equal(np.stack([slots[:, 0, 28], slots[:, 1, 7]], axis=1), data["data/robot/joint_position"][:])
+    assert str(arrays["sub_task_instruction"][0]) == "gripper_grasp: box"
+    assert arrays["camera_main_rgb"][0].shape[-1] == 3
+
+
 @pytest.mark.parametrize("mask", ["train", "valid"])
 def test_robomimic_reads_every_sequence(data, mask):
     from robomimic.utils import file_utils, obs_utils

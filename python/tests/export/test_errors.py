@@ -24,7 +24,7 @@ def refused(folder, out, message, format_name="lerobot", **options):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"format_name": "csv"}, "format: 'csv' is not allowed: lerobot, zarr, robomimic, mcap"),
+        ({"format_name": "csv"}, "format: 'csv' is not allowed: lerobot, zarr, oxt, robomimic, mcap"),
         ({"episodes": (3, 10)}, r"episodes 3\.\.10 is not allowed: 0\.\.9"),
         ({"episodes": (4, 3)}, r"episodes 4\.\.3 is not allowed"),
         ({"columns": ("data/total_forc",)}, "no column 'data/total_forc'.*total_force"),

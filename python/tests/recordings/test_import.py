@@ -11,11 +11,17 @@ import pytest
 import taxelsim
 from taxelsim.program import PROGRAM
 from taxelsim.recordings import Measurement, read_csv, read_lerobot, write_measurement
+from taxelsim.recordings import measurement as measurement_module
 
 SENSOR = taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml"
 FINGERTIP = taxelsim.SCENES / "sensors/fingertip_sphere.yaml"
 TACTILE = "observation.tactile.r{row}_c{col}"
 MEASUREMENTS = taxelsim.SCENES / "measurements"
+
+
+def measured(*arguments, **options):
+    """A measurement whose readings are counts."""
+    return Measurement(*arguments, **{"unit": "counts", **options})
 
 
 def table_of(file):
@@ -64,14 +70,14 @@ def dataset(tmp_path):
 
 
 def test_all_episodes_of_a_lerobot_dataset_as_images(dataset, tmp_path):
-    write_measurement(read_lerobot(dataset), Measurement("images", SENSOR, TACTILE), tmp_path / "images.yaml")
+    write_measurement(read_lerobot(dataset), measured("images", SENSOR, TACTILE), tmp_path / "images.yaml")
     table = table_of(tmp_path / "images.csv")
     assert list(table) == [f"r{k // 14}_c{k % 14}" for k in range(84)]
     np.testing.assert_array_equal(np.stack(list(table.values())).T, np.arange(5)[:, None] * 100 + np.arange(84))
 
 
 def test_one_episode_with_time(dataset, tmp_path):
-    what = Measurement("stamp_images", SENSOR, TACTILE, time="timestamp", keys={"indenter": "{stamp: {size_mm: [10, 10]}}", "load": "3"})
+    what = measured("stamp_images", SENSOR, TACTILE, time="timestamp", keys={"indenter": "{stamp: {size_mm: [10, 10]}}", "load": "3"})
     write_measurement(read_lerobot(dataset, episode=1), what, tmp_path / "stamp.yaml")
     table = table_of(tmp_path / "stamp.csv")
     np.testing.assert_array_equal(table["time_s"], [0, 0.25])
@@ -80,28 +86,29 @@ def test_one_episode_with_time(dataset, tmp_path):
 
 
 def test_components_of_features_have_names(dataset):
-    columns = read_lerobot(dataset).columns
-    np.testing.assert_allclose(columns["observation.wrench.f_z"], np.arange(5) + 0.5)
-    assert columns["f_z"] is columns["observation.wrench.f_z"]
-    np.testing.assert_array_equal(columns["observation.pad.r1_c2"], np.arange(5) + 5)
-    assert "r0_c0" not in columns  # two features have it
-    assert not any(name.startswith("observation.image") for name in columns)
+    recording = read_lerobot(dataset)
+    np.testing.assert_allclose(recording.column("observation.wrench.f_z"), np.arange(5) + 0.5)
+    assert recording.full_name("f_z") == "observation.wrench.f_z"
+    np.testing.assert_array_equal(recording.column("observation.pad.r1_c2"), np.arange(5) + 5)
+    with pytest.raises(taxelsim.InputError, match="no column 'r0_c0'; did you mean"):  # two features have it
+        recording.full_name("r0_c0")
+    assert not any(name.startswith("observation.image") for name in recording.names)
 
 
 def test_kinds_of_tables(dataset, tmp_path):
     recording = read_lerobot(dataset)
-    force = Measurement("force_curve", SENSOR, TACTILE, quantities={"force_N": "f_z"}, taxel=15)
+    force = measured("force_curve", SENSOR, TACTILE, quantities={"force_N": "f_z"}, taxel=15)
     table = table_of(write_measurement(recording, force, tmp_path / "force.yaml"))
     np.testing.assert_allclose(table["force_N"], np.arange(5) + 0.5)
     np.testing.assert_array_equal(table["taxel"], 15)
     np.testing.assert_array_equal(table["counts"], np.arange(5) * 100 + 15)
-    air = Measurement("uniform_press", SENSOR, TACTILE, quantities={"pressure_kPa": "f_z"})
+    air = measured("uniform_press", SENSOR, TACTILE, quantities={"pressure_kPa": "f_z"})
     table = table_of(write_measurement(recording, air, tmp_path / "air.yaml"))
     np.testing.assert_allclose(table["pressure_kPa"], np.arange(5) + 0.5)
     np.testing.assert_array_equal(table["r0_c1"], np.arange(5) * 100 + 1)
-    step = table_of(write_measurement(recording, Measurement("step_response", SENSOR, TACTILE), tmp_path / "step.yaml"))
+    step = table_of(write_measurement(recording, measured("step_response", SENSOR, TACTILE), tmp_path / "step.yaml"))
     np.testing.assert_array_equal(step["counts"], np.arange(5) * 8400 + 83 * 42)
-    point = Measurement("point_images", SENSOR, TACTILE, quantities={"x_mm": "observation.depth", "y_mm": "f_x"})
+    point = measured("point_images", SENSOR, TACTILE, quantities={"x_mm": "observation.depth", "y_mm": "f_x"})
     assert list(table_of(write_measurement(recording, point, tmp_path / "point.yaml")))[:3] == ["x_mm", "y_mm", "r0_c0"]
 
 
@@ -109,7 +116,7 @@ def test_a_csv_file_in_other_units_and_order(tmp_path):
     lines = ["# recorded", "stamp;note;" + ";".join(f"m_{col:02d}_{row}" for col in range(14) for row in range(6))]
     lines += [f"{5000 + 20 * k};a;" + ";".join(str(900 - k * row - col) for col in range(14) for row in range(6)) for k in range(3)]
     (tmp_path / "raw.csv").write_text("\n".join(lines) + "\n")
-    what = Measurement("images", SENSOR, "m_{col:02d}_{row}", time="stamp", time_unit="ms", falling=True, scale=4)
+    what = measured("images", SENSOR, "m_{col:02d}_{row}", time="stamp", time_unit="ms", falling=True, scale=4)
     table = table_of(write_measurement(read_csv(tmp_path / "raw.csv", ";"), what, tmp_path / "out.yaml"))
     np.testing.assert_allclose(table["time_s"], [0, 0.02, 0.04])
     np.testing.assert_array_equal(table["r5_c13"], [0, 20, 40])
@@ -117,7 +124,7 @@ def test_a_csv_file_in_other_units_and_order(tmp_path):
 
 def test_taxels_without_a_grid_are_numbered(tmp_path):
     (tmp_path / "raw.csv").write_text(",".join(f"a{k}" for k in range(65)) + "\n" + ",".join(str(k) for k in range(65)) + "\n")
-    write_measurement(read_csv(tmp_path / "raw.csv"), Measurement("images", FINGERTIP, "a{taxel}"), tmp_path / "out.yaml")
+    write_measurement(read_csv(tmp_path / "raw.csv"), measured("images", FINGERTIP, "a{taxel}"), tmp_path / "out.yaml")
     assert 'taxel_columns: "t{taxel}"\n' in (tmp_path / "out.yaml").read_text()
     (pair,) = compared(tmp_path / "out.yaml", tmp_path / "out.yaml")["pairs"]
     assert pair["M4_relative_l1"] == 0
@@ -125,7 +132,7 @@ def test_taxels_without_a_grid_are_numbered(tmp_path):
 
 def test_the_program_reads_what_was_imported(tmp_path):
     recording = read_csv(MEASUREMENTS / "stamp_3N.csv")
-    what = Measurement("stamp_images", SENSOR, time="time_s", keys={"indenter": "{stamp: {size_mm: [10.5, 10.5]}}", "load": "2.94"})
+    what = measured("stamp_images", SENSOR, time="time_s", keys={"indenter": "{stamp: {size_mm: [10.5, 10.5]}}", "load": "2.94"})
     write_measurement(recording, what, tmp_path / "out.yaml")
     (pair,) = compared(tmp_path / "out.yaml", MEASUREMENTS / "stamp_3N.yaml", options=["--at", "5"])["pairs"]
     assert pair["M4_relative_l1"] == 0
@@ -146,7 +153,7 @@ def test_the_program_reads_what_was_imported(tmp_path):
 def test_damaged_tables(tmp_path, text, message):
     (tmp_path / "raw.csv").write_text(text)
     with pytest.raises(taxelsim.InputError, match=message):
-        read_csv(tmp_path / "raw.csv")
+        read_csv(tmp_path / "raw.csv").column("b")
 
 
 @pytest.mark.parametrize(
@@ -162,14 +169,14 @@ def test_damaged_tables(tmp_path, text, message):
         ({"quantities": {"force": "f_z"}}, "column: 'force' is not allowed: x_m"),
         ({"kind": "force_curve"}, "taxel: None is not allowed: 0 to 83 for force_curve"),
         ({"scale": np.nan}, "scale: nan is not allowed"),
-        ({"time_unit": "h"}, "time_unit: 'h' is not allowed: s"),
+        ({"time": "observation.depth", "time_unit": "h"}, "time_unit: 'h' is not allowed: s"),
         ({"keys": {"load": "3\nsensor: x"}}, "load: .* is not allowed: one line"),
     ],
 )
 def test_wrong_measurements(dataset, tmp_path, changes, message):
     with pytest.raises(taxelsim.InputError, match=message):
         write_measurement(
-            read_lerobot(dataset), Measurement(**{"kind": "images", "sensor": SENSOR, "taxels": TACTILE, **changes}), tmp_path / "out.yaml"
+            read_lerobot(dataset), measured(**{"kind": "images", "sensor": SENSOR, "taxels": TACTILE, **changes}), tmp_path / "out.yaml"
         )
     assert not list(tmp_path.glob("out.*"))
 
@@ -178,20 +185,58 @@ def test_wrong_folders_and_outputs(dataset, tmp_path):
     with pytest.raises(taxelsim.InputError, match=r"no LeRobotDataset: meta/info\.json"):
         read_lerobot(tmp_path)
     with pytest.raises(taxelsim.InputError, match="no frames of episode 7"):
-        read_lerobot(dataset, episode=7)
+        read_lerobot(dataset, episode=7).column("timestamp")
     (tmp_path / "out.csv").touch()
     with pytest.raises(taxelsim.InputError, match=r"out\.csv: exists"):
-        write_measurement(read_lerobot(dataset), Measurement("images", SENSOR), tmp_path / "out.yaml")
+        write_measurement(read_lerobot(dataset), measured("images", SENSOR), tmp_path / "out.yaml")
     with pytest.raises(taxelsim.InputError, match=r"a file NAME\.yaml expected"):
-        write_measurement(read_lerobot(dataset), Measurement("images", SENSOR), tmp_path / "out.txt")
+        write_measurement(read_lerobot(dataset), measured("images", SENSOR), tmp_path / "out.txt")
 
 
 def test_command(tmp_path, capfd):
 
     main = importlib.import_module("taxelsim.commands.import").main
     out = tmp_path / "out.yaml"
-    arguments = [str(MEASUREMENTS / "stamp_3N.csv"), "--sensor", str(SENSOR), "--measurement", "images", "-o", str(out)]
+    arguments = [str(MEASUREMENTS / "stamp_3N.csv"), "--sensor", str(SENSOR), "--measurement", "images", "-o", str(out), "--unit", "counts"]
     assert main([*arguments, "--time", "time_s"]) == 0
     assert capfd.readouterr().out == f"wrote {out} and {tmp_path / 'out.csv'}\n"
     assert main([*arguments, "--episode", "3"]) == 2
-    assert capfd.readouterr().err == "taxelsim import: --episode: for folders of a LeRobotDataset only\n"
+    assert capfd.readouterr().err == "taxelsim import: --episode: for folders of a LeRobotDataset or an Open-X-Tactile set only\n"
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"unit": ""}, "the unit of observation.tactile.r0_c0 is not stated: --unit counts, or another one with --scale"),
+        ({"unit": "N"}, "observation.tactile.r0_c0 is in N: --scale, counts per N, is needed"),
+        ({"time": "observation.depth"}, "the unit of observation.depth is not stated: --time-unit s, ms, us, ns"),
+    ],
+)
+def test_units_are_asked_for(dataset, tmp_path, changes, message):
+    with pytest.raises(taxelsim.InputError, match=message):
+        write_measurement(read_lerobot(dataset, episode=0), measured("images", SENSOR, TACTILE, **changes), tmp_path / "out.yaml")
+    assert not list(tmp_path.glob("out.*"))
+
+
+def test_units_of_readings_and_of_a_name(dataset, tmp_path):
+    what = Measurement("images", SENSOR, TACTILE, unit="N", scale=2, time="timestamp")
+    table = table_of(write_measurement(read_lerobot(dataset, episode=0), what, tmp_path / "out.yaml"))
+    np.testing.assert_array_equal(table["r0_c1"], [2, 202, 402])
+    (tmp_path / "raw.csv").write_text("clock_ms,a0\n10,1\n30,2\n")
+    assert measurement_module._time_unit(read_csv(tmp_path / "raw.csv"), Measurement("images", SENSOR, time="clock_ms")) == "ms"
+
+
+def test_a_recording_is_read_in_blocks(tmp_path, monkeypatch):
+    """Blocks of two rows give the table of one block; a time that falls between blocks, and falling readings, see all rows."""
+    monkeypatch.setattr("taxelsim.recordings.tables.BLOCK_ROWS", 2)
+    lines = ["time_s," + ",".join(f"a{k}" for k in range(84))]
+    lines += [f"{row}," + ",".join(str(100 - row * k) for k in range(84)) for row in range(5)]
+    (tmp_path / "raw.csv").write_text("\n".join(lines) + "\n")
+    what = measured("images", SENSOR, "a{taxel}", time="time_s", falling=True)
+    table = table_of(write_measurement(read_csv(tmp_path / "raw.csv"), what, tmp_path / "out.yaml"))
+    np.testing.assert_array_equal(table["r0_c7"], 7 * np.arange(5))
+    lines[3] = lines[3].replace("2,", "1,", 1)
+    (tmp_path / "raw.csv").write_text("\n".join(lines) + "\n")
+    with pytest.raises(taxelsim.InputError, match="time_s: row 2 is not later than the row before"):
+        write_measurement(read_csv(tmp_path / "raw.csv"), what, tmp_path / "again.yaml")
+    assert not list(tmp_path.glob("again.*"))
