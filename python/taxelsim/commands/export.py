@@ -60,6 +60,11 @@ def _parser() -> argparse.ArgumentParser:
         metavar="DIR",
         help="lerobot --video, oxt: folder that holds a taxel mesh or URDF of the scene",
     )
+    add(
+        "--frame-rate", type=float, metavar="HZ", help="lerobot: frames/s; touch at the rate of the data set becomes a window of each frame"
+    )
+    add("--layout", default=Options.layout, metavar="NAME", help="lerobot: points adds place, normal and force of each taxel")
+    add("--wrench", action="store_true", help="lerobot: adds the wrench of contact")
     add("--place", type=_names, default=(), metavar="SENSOR=[SIDE:]AREA", help="oxt: functional areas of sensors, e.g. left=0,right=1")
     add("--joints", type=_names, default=(), metavar="NAMES", help="oxt: NAME of the arm, NAME=SLOT of the hand, e.g. jaw=28; or none")
     add("--wrist", type=_names, default=(), metavar="SENSORS", help="oxt: sensors whose poses stand for the wrists")
@@ -81,6 +86,9 @@ def _options_of(options: argparse.Namespace) -> Options:
         video=options.video,
         range=options.range,
         assets=tuple(options.assets),
+        frame_rate=options.frame_rate,
+        layout=options.layout,
+        wrench=options.wrench,
         place=options.place,
         joints=options.joints,
         wrist=options.wrist,

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Collection
+import math
+from collections.abc import Callable, Collection, Sequence
 from contextlib import ExitStack, nullcontext
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,7 @@ from .array_video import ArrayVideo
 from .features import SUCCESS, Feature, short_name
 from .source import Block, Source
 from .staging import new_file, staged_folder, write_json
+from .touch_features import POINT, WINDOW_TIME, about_touch, points_of, windows_of, wrenches_of
 
 FILE_BYTES = 100 << 20  # of a file with frames, before compression; the format's default limit of a file
 CHUNK_FILES = 1000  # files of a folder chunk-NNN
@@ -47,7 +49,8 @@ def write(source: Source, out: Path, plan: dict[str, Any], report: Callable[[int
         _write_tasks(folder / "meta/tasks.parquet", tables.tasks)
         write_json(folder / "meta/stats.json", {name: tables.shaped(name, values.result()) for name, values in total.items()})
         write_json(folder / "meta/info.json", tables.info())
-        about = {"taxelsim": __version__, **source.identity(), "episodes": plan["options"]["episodes"]}
+        about = {"taxelsim": __version__, **source.identity(), "episodes": plan["options"]["episodes"], **source.success()}
+        about |= about_touch(source, source.options.tactile_key, tables.windows, tables.points)
         write_json(folder / "meta/taxelsim.json", about | (tables.video.about() if tables.video else {}))
 
 
@@ -67,8 +70,8 @@ def _write_part(tables: _Tables, folder: Path, number: int, part: tuple[int, int
     ):
         episodes: pq.ParquetWriter | None = None
         begin = int(tables.source.ends[part[0] - 1]) if part[0] else 0
-        for first, end in tables.source.parts(BLOCK_FRAMES, *part):
-            block = tables.source.block(first, end, tables.columns)
+        for first, end in tables.source.parts(max(1, BLOCK_FRAMES // tables.source.window), *part):
+            block = tables.block(first, end)
             arrays = tables.arrays(block)
             writer.write_table(tables.frames(arrays))
             measures = {name: statistics.of_episodes(array, block.ends) for name, array in arrays.items()}
@@ -111,8 +114,11 @@ class _Tables:
         named = {"observation.state": source.state, "action": source.action}
         named |= {f"observation.{short_name(name)}": feature for name, feature in source.columns.items()}
         named = {**source.named_tactile(_checked_key(source.options.tactile_key, named), "."), **named}
-        self.vectors: dict[str, Feature] = {name: feature for name, feature in named.items() if feature is not None}
-        self.columns = (*source.frame_columns(), "meta/episode", *source.episode_columns)
+        key, wrenches = source.options.tactile_key, wrenches_of(source)
+        self.vectors: dict[str, Feature] = {name: feature for name, feature in named.items() if feature is not None} | wrenches
+        self.windows, self.points = windows_of(source, key, wrenches), points_of(source, key)
+        wrench_columns = [name for feature in wrenches.values() for name in feature.columns]
+        self.columns = tuple(dict.fromkeys((*source.frame_columns(), *wrench_columns, "meta/episode", *source.episode_columns)))
         self.flags = {"next.done": "bool"} | ({"next.reward": "float32", "next.success": "bool"} if source.has_success else {})
         self.tasks, self._task_indices = source.tasks()
         self.video = _video_of(source, self.rate)
@@ -120,24 +126,35 @@ class _Tables:
         self._videos = {key: self.video.feature() for key in self.video.keys} if self.video else {}
         self.features = self._numbers | self._videos
         self.schema = pa.schema([(name, _arrow_type(feature)) for name, feature in self._numbers.items()])
-        self.bytes_per_frame = sum(4 * feature["shape"][0] for feature in self._numbers.values())
+        self.bytes_per_frame = sum(4 * math.prod(feature["shape"]) for feature in self._numbers.values())
 
     def _tasks_of(self, block: Block) -> NDArray[np.int32]:
         return self._task_indices[block.first_episode : block.first_episode + block.num_episodes]
 
     def _features(self) -> dict[str, dict[str, Any]]:
-        features = {name: {"dtype": "float32", "shape": [len(f.names)], "names": list(f.names)} for name, f in self.vectors.items()}
+        features = {name: _number_feature((), feature.names) for name, feature in self.vectors.items()}
+        features |= {name: _number_feature((self.source.window,), feature.names) for name, feature in self.windows.items()}
+        features |= {name: _number_feature((len(points.places),), POINT) for name, points in self.points.items()}
+        if self.windows:
+            features[WINDOW_TIME] = {"dtype": "float32", "shape": [self.source.window], "names": None}
         return features | {name: {"dtype": dtype, "shape": [1], "names": None} for name, dtype in (self.flags | _INDICES).items()}
+
+    def block(self, first: int, end: int) -> Block:
+        """The episodes [first, end), with the frames of the export."""
+        block = self.source.block(first, end, self.columns)
+        self.source.check_clock(block)
+        return self.source.windowed(block, (name for feature in self.windows.values() for name in feature.columns))
 
     def arrays(self, block: Block) -> dict[str, NDArray[Any]]:
         """(F, D) of each feature."""
-        self.source.check_clock(block, self.rate)
         first, lengths = block.first_frame, block.lengths
         frame = np.arange(block.num_frames) - np.repeat(block.ends - lengths, lengths)
         episode = np.repeat(np.arange(block.num_episodes), lengths)
         is_last = np.zeros(block.num_frames, np.bool_)
         is_last[block.ends - 1] = True
         arrays: dict[str, NDArray[Any]] = {name: feature.vectors(block.values) for name, feature in self.vectors.items()}
+        arrays |= {name: feature.vectors(block.windows).reshape(block.num_frames, -1) for name, feature in self.windows.items()}
+        arrays |= {name: points.values(block) for name, points in self.points.items()}
         arrays["next.done"] = is_last
         if SUCCESS in self.columns:
             arrays["next.success"] = is_last & (block.values[SUCCESS][episode] == 1)
@@ -151,9 +168,12 @@ class _Tables:
         return pa.table([_arrow_array(array, self.schema.field(name).type) for name, array in arrays.items()], schema=self.schema)
 
     def shaped(self, name: str, measures: dict[str, list[Any]]) -> dict[str, list[Any]]:
-        """Statistics of a feature (D), of a video (3, 1, 1); counts as they are."""
+        """Statistics of a feature (D) or (k, D), of a video (3, 1, 1); counts as they are."""
         if name not in self._videos:
-            return measures
+            shape = self._numbers[name]["shape"]
+            if len(shape) == 1:
+                return measures
+            return {key: numbers if key == "count" else np.reshape(numbers, shape).tolist() for key, numbers in measures.items()}
         return {key: numbers if key == "count" else [[[number]] for number in numbers] for key, numbers in measures.items()}
 
     def episodes(self, block: Block, measures: dict[str, statistics.Statistics], number: int, begin: int) -> pa.Table:
@@ -217,15 +237,23 @@ def _checked_key(key: str, others: Collection[str]) -> str:
     return key
 
 
+def _number_feature(outer: tuple[int, ...], names: Sequence[str]) -> dict[str, Any]:
+    return {"dtype": "float32", "shape": [*outer, len(names)], "names": list(names)}
+
+
 def _arrow_type(feature: dict[str, Any]) -> pa.DataType:
     number = pa.from_numpy_dtype(np.dtype(feature["dtype"]))
-    size = feature["shape"][0]
+    *outer, size = feature["shape"]
+    if outer:
+        return pa.list_(pa.list_(number, size), outer[0])
     return number if size == 1 else pa.list_(number, size)
 
 
 def _arrow_array(array: NDArray[Any], kind: pa.DataType) -> pa.Array:
     """(F, D) as one row per frame."""
     numbers = pa.array(np.ascontiguousarray(array).reshape(-1))
+    if pa.types.is_fixed_size_list(kind) and pa.types.is_fixed_size_list(kind.value_type):
+        return pa.FixedSizeListArray.from_arrays(pa.FixedSizeListArray.from_arrays(numbers, type=kind.value_type), type=kind)
     if pa.types.is_fixed_size_list(kind):
         return pa.FixedSizeListArray.from_arrays(numbers, type=kind)
     if pa.types.is_list(kind):

@@ -18,6 +18,11 @@ class Options:
     tactile_key: str = "observation.tactile"  #: LeRobot: name of the tactile image.
     video: bool = False  #: LeRobot: the tactile image as a video as well.
     range: float | None = None  #: LeRobot, oxt: counts of the brightest colour. None: from the data set, as `taxelsim render` draws it.
+    frame_rate: float | None = (
+        None  #: LeRobot: frames/s; touch at the rate of the data set becomes a window of each frame. None: that rate.
+    )
+    layout: str = "image"  #: LeRobot: "points" adds place, normal and force of each taxel.
+    wrench: bool = False  #: LeRobot: adds the wrench of contact.
     assets: tuple[str, ...] = ()  #: LeRobot, oxt: folders that are searched for a taxel mesh or URDF of the scene, which pictures need.
     place: tuple[str, ...] = ()  #: oxt: SENSOR=AREA or SENSOR=SIDE:AREA, the functional areas of sensors.
     joints: tuple[str, ...] = ()  #: oxt: [SIDE:]NAME of joints of the arm, [SIDE:]NAME=SLOT of the hand. ("none",): no joints.

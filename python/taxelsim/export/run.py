@@ -32,7 +32,10 @@ _VECTORS = ("state", "columns", "tactile_in_state")
 
 FORMATS = {
     "lerobot": Format(
-        "lerobot", ("pyarrow",), (*_VECTORS, "task", "tactile_key", "video", "range", "assets"), "a folder: LeRobotDataset v3.0"
+        "lerobot",
+        ("pyarrow",),
+        (*_VECTORS, "task", "tactile_key", "video", "range", "assets", "frame_rate", "layout", "wrench"),
+        "a folder: LeRobotDataset v3.0",
     ),
     "zarr": Format("replay_buffer", ("zarr",), (*_VECTORS, "zarr_format"), "a folder: data/ and meta/episode_ends, as in Diffusion Policy"),
     "oxt": Format(

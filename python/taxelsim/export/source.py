@@ -5,13 +5,14 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .._arguments import checked_positive
 from ..dataset import Dataset
 from ..dataset.layout import MANIFEST, label_of
 from ..errors import InputError
@@ -22,6 +23,7 @@ from .options import Options
 CACHE_BYTES = 64 << 20  # inflated chunks: an export reads each once
 _EPISODES_AT_ONCE = 1 << 16
 _MAX_CLOCK_ERROR = 1e-4  # s, as LeRobot tolerates
+_MAX_RATIO_ERROR = 1e-6  # of the rates of the data set and of the export
 
 
 @dataclass(frozen=True)
@@ -32,6 +34,9 @@ class Block:
     first_frame: int
     ends: NDArray[np.int64]  #: (E), frames of the block up to the end of each episode.
     values: dict[str, NDArray[Any]]  #: Columns in data/ (F, ...), columns in meta/ (E, ...).
+    windows: dict[str, NDArray[Any]] = field(
+        default_factory=dict
+    )  #: Columns in data/ (F, k, ...): the k frames of the data set up to each.
 
     @property
     def num_episodes(self) -> int:
@@ -59,7 +64,17 @@ class Source:
         ends = self.data.episode_ends
         self._first_episode = first
         self._first_frame = int(ends[first - 1]) if first else 0
-        self.ends = ends[first : last + 1] - self._first_frame  #: (num_episodes), frames of the export up to the end of each episode.
+        self._data_ends = ends[first : last + 1] - self._first_frame  # (num_episodes), frames of the data set
+        self.window = self._window_length()  #: Frames of the data set for each frame of the export.
+        lengths = np.diff(self._data_ends, prepend=0) // self.window
+        if lengths.min() < 1:
+            raise InputError(
+                f"{self.data.folder}: episode {int(lengths.argmin()) + first} has less than the {self.window} frames of a window"
+            )
+        self.left_out = int(
+            self._data_ends[-1] - self.window * lengths.sum()
+        )  #: Frames of the data set after the last window of an episode.
+        self.ends = np.cumsum(lengths)  #: (num_episodes), frames of the export up to the end of each episode.
         self.tactile = {sensor: tactile_of(self.data, sensor) for sensor in shown_sensors(self.data)}  #: By name of the sensor, or "".
         self.state = state_of(self.data, options.state, with_tactile=options.tactile_in_state)
         self.action = feature_of(self.data, (ACTION,)) if ACTION in self.data else None
@@ -127,6 +142,10 @@ class Source:
         return found[1].strip('"') if found else ""
 
     @cached_property
+    def _data_rate(self) -> float:
+        return self.data_rate()
+
+    @cached_property
     def scene_name(self) -> str:
         return self._manifest(r"^scene: \|\n(?:  .*\n)*?  name: (.*)$")
 
@@ -163,26 +182,61 @@ class Source:
             first = last
 
     def block(self, first: int, end: int, columns: Iterable[str]) -> Block:
-        """The episodes [first, end) with columns in data/ and meta/."""
-        begin = int(self.ends[first - 1]) if first else 0
+        """The episodes [first, end) with columns in data/ and meta/, with the frames of the data set."""
+        begin = int(self._data_ends[first - 1]) if first else 0
         names = tuple(columns)
-        values = self.frames(begin, int(self.ends[end - 1]), [name for name in names if name.startswith("data/")])
+        values = self.frames(begin, int(self._data_ends[end - 1]), [name for name in names if name.startswith("data/")])
         rows = slice(self._first_episode + first, self._first_episode + end)
         values |= {name: self.data[name][rows] for name in names if name.startswith("meta/")}
-        return Block(first, begin, self.ends[first:end] - begin, values)
+        return Block(first, begin, self._data_ends[first:end] - begin, values)
+
+    def windowed(self, block: Block, columns: Iterable[str]) -> Block:
+        """The frames of the export of a block: the last of each window of frames of the data set.
+
+        columns: whose windows are kept as well. Frames after the last whole window of an episode are left out.
+        """
+        if self.window == 1:
+            return block
+        counts = block.lengths // self.window
+        begins = np.repeat(block.ends - block.lengths - self.window * (np.cumsum(counts) - counts), counts)
+        rows = (begins + self.window * np.arange(counts.sum()))[:, None] + np.arange(self.window)  # (F, window)
+        values = {name: array[rows[:, -1]] if name.startswith("data/") else array for name, array in block.values.items()}
+        begin = int(self.ends[block.first_episode - 1]) if block.first_episode else 0
+        return Block(block.first_episode, begin, np.cumsum(counts), values, {name: block.values[name][rows] for name in columns})
+
+    def _window_length(self) -> int:
+        if self.options.frame_rate is None:
+            return 1
+        found, wanted = self.data_rate(), checked_positive("frame_rate", self.options.frame_rate)
+        length = round(found / wanted)
+        if length < 1 or abs(found / wanted - length) > _MAX_RATIO_ERROR:
+            examples = ", ".join(f"{found / k:.6g}" for k in (2, 4, 5, 10))
+            raise InputError(f"frame_rate: {wanted:g} is not allowed: {found:g} frames/s of the data set by an integer, such as {examples}")
+        return length
 
     def frame_rate(self) -> float:
-        """Frames per second, from the first two frames of the first episode with two. Throws InputError."""
-        longer = np.flatnonzero(np.diff(self.ends, prepend=0) > 1)
+        """Frames per second of the export. Throws InputError."""
+        return self.data_rate() if self.options.frame_rate is None else _rounded(self.options.frame_rate)
+
+    def data_rate(self) -> float:
+        """Frames per second of the data set, from the first two frames of the first episode with two. Throws InputError."""
+        longer = np.flatnonzero(np.diff(self._data_ends, prepend=0) > 1)
         if not longer.size:
             raise InputError(f"{self.data.folder}: no episode has two frames, so that there is no frame rate")
-        first = int(self.ends[longer[0] - 1]) if longer[0] else 0
+        first = int(self._data_ends[longer[0] - 1]) if longer[0] else 0
         times = self.frames(first, first + 2, ["data/time"])["data/time"]
-        rate = float(1 / (times[1] - times[0]))
-        return round(rate) if abs(rate - round(rate)) < rate * 1e-6 else rate
+        return _rounded(float(1 / (times[1] - times[0])))
 
-    def check_clock(self, block: Block, rate: float) -> None:
-        """Refuses frames that are not 1 / rate apart."""
+    def success(self) -> dict[str, Any]:
+        """Number of episodes, of those that met the task of their scene, and the rate; empty where the scene has no task."""
+        if not self.has_success:
+            return {}
+        met = sum(int((part[SUCCESS] == 1).sum()) for part in self.per_episode([SUCCESS]))
+        return {"success": {"episodes": self.num_episodes, "successes": met, "rate": met / self.num_episodes}}
+
+    def check_clock(self, block: Block) -> None:
+        """Refuses frames of the data set that are not 1 / data_rate() apart."""
+        rate = self._data_rate
         indices = np.arange(block.num_frames) - np.repeat(block.ends - block.lengths, block.lengths)
         errors = np.abs(block.values["data/time"] - indices / rate)
         if errors.max() > _MAX_CLOCK_ERROR:
@@ -192,3 +246,8 @@ class Source:
                 f"{self.data.folder}: data/time: {found} s found in frame {self._first_frame + block.first_frame + frame}, {expected} s "
                 f"expected at {rate} frames/s: the format needs a constant rate"
             )
+
+
+def _rounded(rate: float) -> float:
+    """An integer where the rate is close to one."""
+    return round(rate) if abs(rate - round(rate)) < rate * 1e-6 else rate

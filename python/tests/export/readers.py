@@ -77,6 +77,64 @@ def test_lerobot_decodes_the_video_of_the_array(data):
         assert np.abs(found - expected).mean() < VIDEO_TOLERANCE
 
 
+def test_lerobot_reads_windows_of_touch_and_points(data):
+    """Each frame has the five frames of the data set up to it, with their times; the forces of points add up to its force."""
+    from lerobot.datasets.lerobot_dataset import LeRobotDataset
+
+    dataset = LeRobotDataset("local/windows", root=EXPORTS / "lerobot_windows")
+    k = 5
+    assert (dataset.fps, len(dataset)) == (20, data.num_frames // k)
+    table = dataset.hf_dataset.with_format("numpy")
+    images = data["data/tactile_image"][:].reshape(-1, k, 84).astype(np.float32)
+    np.testing.assert_array_equal(np.stack(table["observation.tactile_window"][:]), images)
+    np.testing.assert_array_equal(np.stack(table["observation.tactile"][:]), images[:, -1])
+    np.testing.assert_allclose(np.stack(table["observation.window_time"][:]), data["data/time"][:].reshape(-1, k), rtol=1e-6)
+    wrench = data["data/ground_truth/contact_wrench"][:].reshape(-1, k, 6)
+    np.testing.assert_array_equal(np.stack(table["observation.wrench_window"][:]), wrench)
+    forces = np.stack(table["observation.tactile_points"][:])[..., 6].sum(1)
+    np.testing.assert_allclose(forces, data["data/total_force"][:][k - 1 :: k], rtol=1e-4, atol=1e-4)
+    assert dataset.meta.stats["observation.tactile_window"]["mean"].shape == (k, 84)
+    item = dataset[7]
+    assert (tuple(item["observation.tactile_window"].shape), item["task"]) == ((k, 84), f"servo_mix: {data['meta/object_name'][0]}")
+
+
+def test_a_policy_that_reads_the_window_trains_one_epoch():
+    """Convolutions over the frames of the window; the stock policies read no feature of this name."""
+    from lerobot.datasets.lerobot_dataset import LeRobotDataset, LeRobotDatasetMetadata
+    from lerobot.datasets.utils import dataset_to_policy_features
+    from lerobot.policies.act.configuration_act import ACTConfig
+
+    root = EXPORTS / "lerobot_windows"
+    features = dataset_to_policy_features(LeRobotDatasetMetadata("local/windows", root=root).features)
+    config = ACTConfig(input_features={name: feature for name, feature in features.items() if name != "action"})
+    assert "observation.tactile_window" in config.input_features
+    assert (config.robot_state_feature, config.env_state_feature) == (features["observation.state"], None)  # all that ACT reads of numbers
+    torch.manual_seed(1)
+    dataset = LeRobotDataset("local/windows", root=root)
+    stats = {
+        name: {key: torch.tensor(value) for key, value in dataset.meta.stats[name].items()}
+        for name in ("observation.tactile_window", "action")
+    }
+    network = torch.nn.Sequential(
+        torch.nn.Conv1d(84, 32, 3),
+        torch.nn.ReLU(),
+        torch.nn.Flatten(),
+        torch.nn.Linear(3 * 32, 64),
+        torch.nn.ReLU(),
+        torch.nn.Linear(64, 6),
+    )
+    optimizer = torch.optim.Adam(network.parameters(), lr=3e-3)
+    losses = []
+    for batch in torch.utils.data.DataLoader(dataset, batch_size=16, shuffle=True):
+        window, action = ((batch[name] - stats[name]["mean"]) / (stats[name]["std"] + 1e-6) for name in stats)
+        loss = torch.nn.functional.mse_loss(network(window.float().transpose(1, 2)), action.float())
+        optimizer.zero_grad()
+        loss.backward()
+        optimizer.step()
+        losses.append(loss.item())
+    assert_learns(losses)
+
+
 def test_act_of_lerobot_trains_one_epoch():
     from lerobot.configs.types import FeatureType
     from lerobot.datasets.lerobot_dataset import LeRobotDataset, LeRobotDatasetMetadata
