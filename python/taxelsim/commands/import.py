@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ..errors import InputError
-from ..recordings import KINDS, Measurement, Recording, read_csv, read_lerobot, read_oxt, write_measurement
+from ..recordings import KINDS, Measurement, Recording, read_bag, read_csv, read_lerobot, read_oxt, read_robomimic, write_measurement
 from ..recordings.measurement import QUANTITIES, TIME_UNITS
 from .running import run_command
 
@@ -44,26 +44,45 @@ def _run(options: argparse.Namespace) -> None:
 def _recording(options: argparse.Namespace) -> Recording:
     """The recording of a folder or file, by what it holds."""
     source, episode = options.source, options.episode
+    if options.topic and not is_bag(source):
+        raise InputError("--topic: for bags of ROS only")
     if options.window and not (source / "meta/info.json").exists():
         raise InputError("--window: for folders of a LeRobotDataset only")
     if (source / ".zgroup").exists() or (source / "zarr.json").exists():
         return read_oxt(source, episode)
+    if is_bag(source):
+        if episode is not None:
+            raise InputError("--episode: not for bags of ROS")
+        return read_bag(source, options.topic)
+    if source.suffix in (".hdf5", ".h5"):
+        return read_robomimic(source, episode)
     if source.is_dir():
         return read_lerobot(source, episode, options.window)
     if episode is not None:
-        raise InputError("--episode: for folders of a LeRobotDataset or an Open-X-Tactile set only")
+        raise InputError("--episode: not for CSV files")
     return read_csv(source, options.delimiter)
+
+
+def is_bag(source: Path) -> bool:
+    """Whether a path names a bag of ROS: MCAP, rosbag of ROS 1, or the folder of a rosbag2."""
+    return source.suffix in (".mcap", ".bag") or (source / "metadata.yaml").exists()
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="taxelsim import", description=__doc__)
     add = parser.add_argument
-    add("source", metavar="SOURCE", type=Path, help="CSV file, folder of a LeRobotDataset (version 2 or 3) or of Open-X-Tactile")
+    add(
+        "source",
+        metavar="SOURCE",
+        type=Path,
+        help="CSV, robomimic (.hdf5), MCAP or rosbag; folder of a rosbag2, a LeRobotDataset or Open-X-Tactile",
+    )
     add("--sensor", required=True, type=Path, metavar="FILE", help="sensor file: the layout of the taxels")
     add("--measurement", required=True, metavar="KIND", help=f"one of {', '.join(KINDS)}")
     add("-o", "--out", required=True, type=Path, metavar="NAME.yaml", help="measurement to write; its table is NAME.csv")
     add("--taxels", default=Measurement.taxels, metavar="PATTERN", help="columns of the taxels, default %(default)s; also {taxel}")
-    add("--episode", type=int, metavar="N", help="one episode of a folder, default all")
+    add("--episode", type=int, metavar="N", help="one episode, default all")
+    add("--topic", action="append", default=[], metavar="NAME", help="bags: each message of the first is a row; repeatable")
     add("--window", action="append", default=[], metavar="FEATURE", help="LeRobotDataset: a feature whose first axis is time; repeatable")
     add("--time", metavar="COLUMN", help="column of the time; default none")
     add("--time-unit", choices=TIME_UNITS, help="default: as the recording states it, or as the name of the column ends (time_ms)")

@@ -14,6 +14,7 @@ from .._core import Device
 from .._files import require_folder, write_whole
 from ..errors import InputError, IoError
 from ..viewer import view
+from ..viewer.measurements import is_measurement
 from .running import run_command
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ INTERRUPTED = 130
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the arguments of the subcommand."""
     add = parser.add_argument
-    add("path", type=Path, metavar="DIR|SCENE", help="data set, or scene file: its episodes are simulated and not kept")
+    add("path", type=Path, metavar="DIR|SCENE", help="data set, measurement, or scene file: its episodes are simulated and not kept")
     add("--episode", type=int, nargs="+", action="extend", metavar="N", help="numbers of the episodes; default: the first three")
     add("--assets", type=Path, action="append", default=[], metavar="DIR", help="folder with meshes of a data set's scene; repeatable")
     add("--range", type=float, metavar="COUNTS", help="brightest colour; default: the 99.9th percentile of the data set")
@@ -55,7 +56,7 @@ def _run(options: argparse.Namespace) -> None:
     if not (options.save or options.web or _has_display()):
         raise InputError("there is no display: --save FILE.rrd writes a file, --web serves a page for a browser")
     # Opened where a scene is simulated, so that a data set needs no device.
-    device = Device.open(options.device) if options.path.is_file() else None
+    device = Device.open(options.device) if options.path.is_file() and not is_measurement(options.path) else None
     recording = view(options.path, options.episode, assets=options.assets, device=device, isolated=True, range=options.range)
     if options.save:
         save(recording, options.save)

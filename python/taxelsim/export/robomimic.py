@@ -49,9 +49,10 @@ def write(source: Source, out: Path, plan: dict[str, Any], report: Callable[[int
         _reserve(file, _EPISODE_BYTES * source.num_episodes)
         data.attrs["total"] = source.num_frames
         data.attrs["env_args"] = json.dumps({"env_name": source.scene_name, "type": _GYM, "env_kwargs": {}})
+        units = dict.fromkeys(source.named_tactile("tactile", "_"), "counts")
         names = {name: list(feature.names) for name, feature in {**observations, "actions": source.action}.items()}
         data.attrs["taxelsim"] = json.dumps(
-            {"version": __version__, **source.identity(), "episodes": plan["options"]["episodes"], "names": names}
+            {"version": __version__, **source.identity(), "episodes": plan["options"]["episodes"], "names": names, "units": units}
         )
         _write_masks(file, source.num_episodes)
 

@@ -18,6 +18,8 @@ from ..export.staging import new_file
 from .recording import Block, Recording
 
 KINDS = ("images", "stamp_images", "point_images", "footprint_images", "uniform_press", "step_response", "force_curve")
+IMAGE_KINDS = KINDS[:5]  # rows of the table are images
+DEFAULT_TAXELS = "r{row}_c{col}"
 QUANTITIES = ("x_m", "x_mm", "y_m", "y_mm", "yaw_rad", "yaw_deg", "force_N", "force_mN", "pressure_Pa", "pressure_kPa", "press")
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 COUNTS = "counts"
@@ -29,10 +31,12 @@ class Measurement:
 
     kind: str  #: One of KINDS.
     sensor: Path  #: Sensor file.
-    taxels: str = "r{row}_c{col}"  #: Pattern of the names of the taxels' columns: {row} and {col} of one grid, {taxel} in storage order.
+    taxels: str = DEFAULT_TAXELS  #: Pattern of the names of the taxels' columns: {row} and {col} of one grid, {taxel} in storage order.
     time: str = ""  #: Column of the time. Its first value becomes 0.
     time_unit: str = ""  #: One of TIME_UNITS. Empty: as the recording states it, or as the name of the column ends, such as time_ms.
-    quantities: Mapping[str, str] = field(default_factory=dict)  #: Columns of positions and forces by their name in the table (QUANTITIES).
+    quantities: Mapping[str, str] = field(
+        default_factory=dict
+    )  #: Columns of positions and forces by their name in the table (QUANTITIES); with a minus in front the other sign.
     taxel: int | None = None  #: force_curve: the taxel that is pressed.
     falling: bool = False  #: Readings fall with force: counts are what a reading is below the largest one of its taxel.
     unit: str = ""  #: Of the readings: counts, or another one with a scale. Empty: as the recording states it.
@@ -78,7 +82,7 @@ class _Table:
     def __init__(self, recording: Recording, what: Measurement, sensor: Sensor) -> None:
         """Throws InputError for columns and units that the recording does not have."""
         self._recording, self._what = recording, what
-        self._taxels = _taxel_names(what.taxels, sensor)
+        self._taxels = taxel_names(what.taxels, sensor)
         wrong = next((name for name in what.quantities if name not in QUANTITIES), None)
         if wrong is not None:
             raise InputError(f"column: {wrong!r} is not allowed: {', '.join(QUANTITIES)}")
@@ -86,8 +90,11 @@ class _Table:
             raise InputError(f"taxel: {what.taxel} is not allowed: 0 to {len(self._taxels) - 1} for force_curve")
         self._seconds = TIME_UNITS[_time_unit(recording, what)] if what.time else 0.0
         self._scale = _scale(recording, what, next(iter(self._taxels.values())))
+        self._quantities = {
+            name: (source.removeprefix("-"), -1.0 if source.startswith("-") else 1.0) for name, source in what.quantities.items()
+        }
         time = [what.time] if what.time else []
-        self._columns = tuple(dict.fromkeys((*time, *what.quantities.values(), *self._taxels.values())))
+        self._columns = tuple(dict.fromkeys((*time, *(source for source, _ in self._quantities.values()), *self._taxels.values())))
 
     def rows(self) -> Iterator[Block]:
         """Columns of the table by name. Reads a recording with falling readings twice, for the largest reading of each taxel."""
@@ -109,7 +116,7 @@ class _Table:
                     )
                 times = first, float(found[-1]), rows + len(found)
                 columns["time_s"] = found - first
-            columns |= {name: block[source] for name, source in self._what.quantities.items()}
+            columns |= {name: sign * block[source] for name, (source, sign) in self._quantities.items()}
             counts = {name: self._counts(block[source], largest.get(source)) for name, source in self._taxels.items()}
             yield columns | self._readings(counts)
 
@@ -149,8 +156,8 @@ def _scale(recording: Recording, what: Measurement, taxel: str) -> float:
     return 1.0 if what.scale is None else checked_positive("scale", what.scale)
 
 
-def _taxel_names(pattern: str, sensor: Sensor) -> dict[str, str]:
-    """Columns of the recording by names of the table, in storage order."""
+def taxel_names(pattern: str, sensor: Sensor) -> dict[str, str]:
+    """Columns of the recording by names of the table, in storage order. Throws InputError."""
     if len(sensor.patches) > 1:
         return {f"t{index}": _filled(pattern, taxel=index) for index in range(sensor.num_taxels)}
     grid = sensor.patches[0]

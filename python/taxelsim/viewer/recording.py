@@ -153,8 +153,10 @@ class EpisodeWriter:
 
     def _columns(self, path: str, columns: Any, frames: NDArray[np.intp] | None = None) -> None:
         chosen = self._frames if frames is None else frames
-        times = np.asarray(self._episode.columns["data/time"])[chosen]
-        indexes = [rr.TimeColumn("time", duration=times), rr.TimeColumn("frame", sequence=chosen)]
+        indexes = [rr.TimeColumn("frame", sequence=chosen)]
+        if "data/time" in self._episode.columns:  # which a measurement may lack
+            nanoseconds = np.rint(1e9 * np.asarray(self._episode.columns["data/time"])[chosen])  # Rerun truncates seconds
+            indexes.insert(0, rr.TimeColumn("time", duration=nanoseconds.astype("timedelta64[ns]")))
         self._recording.send_columns(f"{self.root}/{path}", indexes, columns)
 
 

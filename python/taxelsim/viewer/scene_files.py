@@ -36,7 +36,8 @@ def _candidates(name: str, folders: Sequence[Path]) -> Iterator[Path]:
         yield from (file for file in sorted(folder.rglob(glob.escape(name))) if file.is_file())
 
 
-def _sha256(file: Path) -> str:
+def sha256_of(file: Path) -> str:
+    """SHA-256 of a file."""
     digest = hashlib.sha256()
     with file.open("rb") as stream:
         while block := stream.read(1 << 20):
@@ -69,7 +70,7 @@ def scene_of(text: str, folders: Sequence[Path], origin: Path) -> tuple[Scene, s
                 raise InputError(f"{origin}: scene: {key}: {quoted} is not allowed: the name of a file") from error
             if not name or Path(name).name != name:
                 raise InputError(f"{origin}: scene: {key}: {name!r} is not allowed: the name of a file without a folder")
-            file = next((file for file in _candidates(name, [*folders, SCENES]) if _sha256(file) == sha256), None)
+            file = next((file for file in _candidates(name, [*folders, SCENES]) if sha256_of(file) == sha256), None)
             if key == "mesh":
                 is_found.append(file is not None)
             if file is not None:

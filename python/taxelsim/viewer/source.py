@@ -38,7 +38,7 @@ class Episode:
     """Of the sensor, where several have columns of their own: each has an Episode."""
 
     def __len__(self) -> int:
-        return len(self.columns["data/time"])
+        return len(self.columns["data/tactile_image"])
 
     @property
     def num_sensors(self) -> int:

@@ -10,7 +10,7 @@ import pytest
 
 import taxelsim
 from taxelsim.program import PROGRAM
-from taxelsim.recordings import Measurement, read_csv, read_lerobot, write_measurement
+from taxelsim.recordings import Measurement, read_csv, read_lerobot, read_robomimic, write_measurement
 from taxelsim.recordings import measurement as measurement_module
 
 SENSOR = taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml"
@@ -201,7 +201,7 @@ def test_command(tmp_path, capfd):
     assert main([*arguments, "--time", "time_s"]) == 0
     assert capfd.readouterr().out == f"wrote {out} and {tmp_path / 'out.csv'}\n"
     assert main([*arguments, "--episode", "3"]) == 2
-    assert capfd.readouterr().err == "taxelsim import: --episode: for folders of a LeRobotDataset or an Open-X-Tactile set only\n"
+    assert capfd.readouterr().err == "taxelsim import: --episode: not for CSV files\n"
 
 
 @pytest.mark.parametrize(
@@ -240,3 +240,30 @@ def test_a_recording_is_read_in_blocks(tmp_path, monkeypatch):
     with pytest.raises(taxelsim.InputError, match="time_s: row 2 is not later than the row before"):
         write_measurement(read_csv(tmp_path / "raw.csv"), what, tmp_path / "again.yaml")
     assert not list(tmp_path.glob("again.*"))
+
+
+def test_a_file_of_robomimic(tmp_path):
+    """Episodes in the order of their numbers; observations with names, where the file has none by place."""
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "demos.hdf5", "w") as file:
+        for number, rows in ((10, 2), (2, 3)):
+            group = file.create_group(f"data/demo_{number}")
+            group["obs/pad"] = np.full((rows, 6, 14), number, np.float32) + np.arange(84).reshape(6, 14)
+            group["obs/force"] = np.full((rows, 1), number, np.float64)
+            group["actions"] = np.zeros((rows, 2))
+    recording = read_robomimic(tmp_path / "demos.hdf5")
+    assert {"pad.r5_c13", "force", "actions.1"} <= set(recording.names)
+    np.testing.assert_array_equal(recording.column("force"), [2, 2, 2, 10, 10])
+    what = measured("images", SENSOR, "pad.r{row}_c{col}", quantities={"force_N": "force"})
+    rows = table_of(write_measurement(read_robomimic(tmp_path / "demos.hdf5", 10), what, tmp_path / "out.yaml"))
+    np.testing.assert_array_equal(rows["r5_c13"], [93, 93])
+    with pytest.raises(taxelsim.InputError, match="no frames of episode 3"):
+        read_robomimic(tmp_path / "demos.hdf5", 3)
+    with h5py.File(tmp_path / "demos.hdf5", "r+") as file:
+        del file["data/demo_10/obs/pad"]
+        file["data/demo_10/obs/pad"] = np.zeros((2, 4, 4), np.float32)
+    with pytest.raises(taxelsim.InputError, match=r"demo_10: pad: \(2, 4, 4\) found, \(T, \(6, 14\)\) as in the first"):
+        recording.column("pad.r0_c0")
+    (tmp_path / "demos.hdf5").write_bytes(b"no HDF5")
+    with pytest.raises(taxelsim.InputError, match=r"demos\.hdf5: no file of robomimic: "):
+        read_robomimic(tmp_path / "demos.hdf5")
