@@ -44,6 +44,8 @@ def _run(options: argparse.Namespace) -> None:
 def _recording(options: argparse.Namespace) -> Recording:
     """The recording of a folder or file, by what it holds."""
     source, episode = options.source, options.episode
+    if not source.exists():
+        raise InputError(f"{source}: no such file or folder")
     if options.topic and not is_bag(source):
         raise InputError("--topic: for bags of ROS only")
     if options.window and not (source / "meta/info.json").exists():

@@ -10,6 +10,8 @@ Each rule says where it stands. Sources, in the repository ftp1-policy:
 
 from __future__ import annotations
 
+import json
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
+from ..errors import Error, InputError
 
 SIDES = ("right", "left")
 TYPES = ("state", "binary", "image")
@@ -40,6 +42,7 @@ class Store:
     folder: Path
     arrays: dict[str, Any]  #: Of data/ by name.
     ends: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))  #: meta/episode_ends.
+    is_own: bool = False  #: Whether taxelsim exported it.
 
     @property
     def num_frames(self) -> int:
@@ -60,7 +63,46 @@ class Store:
         array = self.arrays[name]
         step = max(1, _READ_BYTES // max(1, array.dtype.itemsize * int(np.prod(array.shape[1:]))))
         for first in range(0, array.shape[0], step):
-            yield first, array[first : first + step]
+            yield first, self.rows(name, first, first + step)
+
+    def rows(self, name: str, first: int, end: int) -> NDArray[Any]:
+        """Frames [first, end) of an array. Throws InputError for a damaged chunk."""
+        try:
+            values: NDArray[Any] = np.asarray(self.arrays[name][first:end])
+        except Error:
+            raise
+        except (OSError, ValueError, RuntimeError) as error:
+            raise InputError(f"{self.folder}: {name}: frames {first} to {end - 1}: {' '.join(str(error).split())}") from error
+        return values
+
+
+@dataclass(frozen=True)
+class Packed:
+    """An array whose codec is not installed, such as that of the pictures of released sets: its shape and type are known."""
+
+    name: str
+    codec: str
+    shape: tuple[int, ...]
+    dtype: np.dtype[Any]
+
+    @property
+    def ndim(self) -> int:
+        return len(self.shape)
+
+    def __getitem__(self, rows: object) -> NDArray[Any]:
+        raise InputError(f"{self.name}: packed by the codec {self.codec}, which is not installed")
+
+
+def _array(folder: Path, group: Any, name: str) -> Any:
+    """An array of data/. Throws ValueError for one that Zarr cannot read."""
+    try:
+        return group[name]
+    except ValueError:
+        about = json.loads((folder / "data" / name / ".zarray").read_text(encoding="utf-8"))
+        codec = (about["compressor"] or {}).get("id")
+        if not codec:
+            raise
+        return Packed(name, codec, tuple(about["shape"]), np.dtype(about["dtype"]))
 
 
 def open_store(folder: Path) -> Store:
@@ -77,11 +119,14 @@ def open_store(folder: Path) -> Store:
         root: Any = zarr.open_group(str(folder), mode="r", zarr_format=2)
         if "data" not in root or "meta" not in root or "episode_ends" not in root["meta"]:
             raise InputError(f"{folder}: no Open-X-Tactile set: data/ and meta/episode_ends expected")
-        arrays = dict(root["data"].arrays())
+        names = sorted(file.parent.name for file in (folder / "data").glob("*/.zarray"))
+        arrays = {name: _array(folder, root["data"], name) for name in names}
         ends = np.asarray(root["meta/episode_ends"][:])
+    except Error:
+        raise
     except (OSError, ValueError, LookupError, TypeError) as error:
         raise InputError(f"{folder}: {' '.join(str(error).split())}") from error
-    return Store(folder, arrays, ends)
+    return Store(folder, arrays, ends, "taxelsim" in root.attrs)
 
 
 @dataclass(frozen=True)
@@ -269,6 +314,24 @@ def _name(store: Store) -> Iterator[Fault]:
         yield f"{store.folder.name}: FTP-1 reads the folders NAME.zarr of a folder"
 
 
+def _missing_chunks(store: Store) -> Iterator[Fault]:
+    for name, array in store.arrays.items():
+        if isinstance(array, Packed):
+            continue
+        expected = math.prod(-(-size // chunk) for size, chunk in zip(array.shape, array.chunks, strict=True))
+        files = sum(1 for file in (store.folder / "data" / name).rglob("*") if file.is_file() and not file.name.startswith("."))
+        if files < expected:
+            yield f"{name}: {expected - files} of {expected} chunks are missing, and Zarr reads them as {array.fill_value}"
+
+
+def _own_chunks(store: Store) -> Iterator[Fault]:
+    yield from _missing_chunks(store) if store.is_own else ()
+
+
+def _other_chunks(store: Store) -> Iterator[Fault]:
+    yield from () if store.is_own else _missing_chunks(store)
+
+
 def _finite(store: Store) -> Iterator[Fault]:
     for name, array in store.arrays.items():
         if array.dtype.kind != "f":
@@ -298,6 +361,8 @@ RULES = (
     ),
     Rule("a state from which actions are derived", "README 4.1", _states),
     Rule("numbers are finite", "loader", _finite, reads_values=True),
+    Rule("an export of taxelsim has all its chunks", "taxelsim", _own_chunks),
+    Rule("no chunk is missing, which writers may leave out where all values are equal", "Zarr 2", _other_chunks, is_note=True),
     Rule("no type `matrix`, which released sets have", "README 3.2", _released_types, is_note=True, reads_values=True),
     Rule("the folder is called NAME.zarr", "README 2.1, loader", _name, is_note=True),
     Rule("sides with touch have hand joints", "loader", _read_sides, is_note=True),

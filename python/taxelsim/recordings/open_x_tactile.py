@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..export.oxt_rules import CAMERAS, Store, check, open_store
+from ..export.oxt_rules import CAMERAS, Packed, Store, check, open_store
 from .recording import BLOCK_ROWS, Block, Recording, component_names
 
 _POSE = ["x", "y", "z", "rx", "ry", "rz"]
@@ -35,7 +35,7 @@ def read_oxt(folder: Path, episode: int | None = None) -> Recording:
         arrays = dict.fromkeys(columns[name][0] for name in chosen)
         for begin in range(first, end, BLOCK_ROWS):
             rows = min(BLOCK_ROWS, end - begin)
-            flat: dict[str, NDArray[Any]] = {name: store.arrays[name][begin : begin + rows].reshape(rows, -1) for name in arrays}
+            flat: dict[str, NDArray[Any]] = {name: store.rows(name, begin, begin + rows).reshape(rows, -1) for name in arrays}
             yield {name: flat[columns[name][0]][:, columns[name][1]].astype(np.float64) for name in chosen}
 
     return Recording(str(folder), tuple(columns), blocks, units, lambda row: f"frame {first + row}")
@@ -51,7 +51,9 @@ def _range(store: Store, episode: int | None) -> tuple[int, int]:
 
 def _numeric(store: Store) -> list[str]:
     """Arrays of numbers, without pictures."""
-    return [name for name, array in store.arrays.items() if array.dtype.kind in "iuf" and name not in CAMERAS and array.ndim < 6]
+    return [
+        name for name, array in store.arrays.items() if array.dtype.kind in "iuf" and name not in CAMERAS and not isinstance(array, Packed)
+    ]
 
 
 def _names(store: Store, name: str) -> list[str]:

@@ -26,6 +26,15 @@ def test_images_and_times_are_those_of_the_table(recorded):
     assert forces[-1] == pytest.approx(expected, rel=1e-3)
 
 
+def test_times_in_milliseconds(recorded, tmp_path):
+    names = ",".join(f"r{taxel // 14}_c{taxel % 14}" for taxel in range(84))
+    (tmp_path / "m.csv").write_text(f"time_ms,{names}\n" + "".join(f"{20 * row}{',5' * 84}\n" for row in range(3)))
+    sensor = taxelsim.SCENES / "sensors/wts0614_soft_cover.yaml"
+    (tmp_path / "m.yaml").write_text(f'measurement: images\nsensor: "{sensor}"\ntable: m.csv  # ms\n')
+    times = recorded(tmp_path / "m.yaml")["episode_0/tactile_image", "time"]
+    np.testing.assert_array_equal(times.astype("timedelta64[ms]").astype(int), [0, 20, 40])
+
+
 def test_a_measurement_without_times_has_frames(recorded):
     found = recorded(MEASUREMENTS / "uniform_press.yaml")
     assert ("episode_0/tactile_image", "time") not in found.columns
