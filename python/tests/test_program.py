@@ -26,6 +26,8 @@ from taxelsim.program import PROGRAM
         (["render", "mp4", "-o", "gif"], False),
         (["finish", "out"], False),
         (["finish", "out", "--card"], True),
+        (["inspect", "out"], False),
+        (["inspect", "out.zarr", "--format", "oxt"], True),
         (["view", "out"], True),
         (["view", "\udcff"], True),  # a name that is not UTF-8
     ],
@@ -35,7 +37,8 @@ def test_is_python_command(arguments, expected):
 
 
 @pytest.mark.parametrize(
-    "command", ["evaluate --policy", "finish --card", "render .mp4", "render .gif", "report x", "view x", "export x", "import x"]
+    "command",
+    ["evaluate --policy", "finish --card", "inspect --format", "render .mp4", "render .gif", "report x", "view x", "export x", "import x"],
 )
 def test_the_program_starts_python_for_the_subcommands_of_the_package(tmp_path, command):
     name, word = command.split()

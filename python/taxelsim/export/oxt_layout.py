@@ -91,7 +91,12 @@ class Layout:
         sides = tuple(dict.fromkeys(pad.side for pad in pads))
         names = tuple(name for name, _, _ in _core.joints_of(scene)) if JOINTS in source.data else ()
         joints = _joints(source, names, sides, is_hand=scene.kind == Scene.Kind.GRASP)
-        return Layout(pads, tuple(groups), _wrists(source, pads, sides), joints, names, scene)
+        wrists = _wrists(source, pads, sides)
+        if not wrists and not joints:
+            raise InputError(
+                f"{folder}: no pose of a wrist and no joints, from which FTP-1 derives actions: record poses, or give wrist or joints"
+            )
+        return Layout(pads, tuple(groups), wrists, joints, names, scene)
 
 
 def _pads(source: Source, scene: Scene) -> Iterator[Pad]:

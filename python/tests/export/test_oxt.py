@@ -15,6 +15,7 @@ from taxelsim.export import Options, export
 from taxelsim.program import PROGRAM
 from taxelsim.recordings import Measurement, read_oxt, write_measurement
 
+from ..envs.conftest import write_scene
 from .conftest import NUM_EPISODES, NUM_FRAMES, files_of
 
 zarr = pytest.importorskip("zarr")
@@ -106,6 +107,20 @@ def test_several_sensors_in_one_column_are_pads(two_sensors, tmp_path):
     np.testing.assert_array_equal(arrays["right_wrist_pose"][:, :3], data["data/sensor_pose"][:, 1, :3])
 
 
+def test_three_axis_counts_are_a_group_with_one_more_axis(tmp_path, device):
+    file = write_scene(tmp_path, record="tactile_image, taxel_counts, poses")
+    text = file.read_text().replace("wts0614_soft_cover.yaml", "uskin_like_4x4.yaml")
+    file.write_text(text.replace("episodes: 24", "episodes: 2"))
+    taxelsim.generate(file, tmp_path / "data", device=device)
+    export(tmp_path / "data", tmp_path / "out", "oxt")
+    arrays, data = zarr.open_group(tmp_path / "out", mode="r")["data"], taxelsim.Dataset(tmp_path / "data")
+    (name,) = (name for name in arrays if name.endswith("_axes") and "data" in name)
+    np.testing.assert_array_equal(arrays[name][:, 0], data["data/taxel_counts"][:])
+    assert (arrays[name].shape[1:], data["data/taxel_counts"][:].min() < 0) == ((1, 4, 4, 3), True)
+    recording = read_oxt(tmp_path / "out")
+    np.testing.assert_array_equal(recording.column(f"{name}.a0_r3_c1_2"), data["data/taxel_counts"][:, 3, 1, 2])
+
+
 def test_pictures_of_arrays(folder, exported):
     arrays = zarr.open_group(exported("oxt", range=500.0), mode="r")["data"]
     pictures, counts = arrays["camera_main_rgb"][:], taxelsim.Dataset(folder)["data/tactile_image"][:]
@@ -156,6 +171,7 @@ def test_an_interrupted_export_continues_to_the_same_bytes(folder, exported, tmp
         ({"joints": ("jaw=28",)}, "joints: 'jaw=28' is not allowed: SIDE:jaw=28, since both sides have sensors"),
         ({"joints": ("right:grip",)}, "joints: 'grip' is not allowed: jaw, bend"),
         ({"joints": ("right:jaw=1", "right:bend=1")}, "joints: slot 1 of the right side found twice"),
+        ({"place": ("left=0", "right=1", "below=2")}, "no pose of a wrist and no joints, from which FTP-1 derives actions"),
         ({"wrist": ("palm",)}, "wrist: 'palm' is not allowed: left, right, below"),
         ({"camera": "scene"}, "camera: scene is not allowed: .*; --camera arrays draws any data set"),
         ({"camera": "eye"}, "camera: 'eye' is not allowed: arrays, scene"),
