@@ -25,8 +25,10 @@ inline constexpr std::array kPythonSubcommands{
     PythonSubcommand{.name = "report", .words = {}, .description = "Write a data set as a page of HTML, or its card"},
     PythonSubcommand{.name = "view", .words = {}, .description = "Show episodes of a data set or a scene in the viewer Rerun"},
     PythonSubcommand{.name = "play", .words = {}, .description = "Press an object into a sensor in the browser"},
-    PythonSubcommand{.name = "export", .words = {}, .description = "Write a data set for LeRobot, Open-X-Tactile, Zarr, robomimic or ROS 2"},
-    PythonSubcommand{.name = "import", .words = {}, .description = "Make a measurement from a recording: CSV, LeRobot, Open-X-Tactile, robomimic, ROS"},
+    PythonSubcommand{
+        .name = "export", .words = {}, .description = "Write a data set for LeRobot, Open-X-Tactile, Zarr, robomimic or ROS 2"},
+    PythonSubcommand{
+        .name = "import", .words = {}, .description = "Make a measurement from a recording: CSV, LeRobot, Open-X-Tactile, robomimic, ROS"},
 };
 
 inline bool isMatch(std::string_view argument, std::string_view word) {
