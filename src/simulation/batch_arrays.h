@@ -56,8 +56,9 @@ struct BatchArray {
   bool isExported(const BatchOptions& options) const {
     return options.export_memory && exports != Export::kNever && (!isReadable() || is_read(options));
   }
+  bool isForHost(const BatchOptions& options) const { return isReadable() && !(isExported(options) && exports == Export::kOnly); }
   bool isRead(const BatchOptions& options, ReadAfter after) const {
-    return isReadable() && (read_after & after) != 0 && is_read(options) && !(isExported(options) && exports == Export::kOnly);
+    return isForHost(options) && (read_after & after) != 0 && is_read(options);
   }
 };
 

@@ -12,8 +12,7 @@ BatchBuffers::BatchBuffers(const BatchShape& shape) {
     Array& made = arrays_[array.block_index];
     const bool is_exported = array.isExported(shape.options);
     made.device = gpu::Buffer(context, array.name, bytes, array.domain, is_exported ? gpu::Sharing::kExported : gpu::Sharing::kPrivate);
-    const bool host_reads = array.isReadable() && !(is_exported && array.exports == Export::kOnly);
-    if (host_reads && made.device.mapped().empty()) {
+    if (array.isForHost(shape.options) && made.device.mapped().empty()) {
       made.readback = gpu::Buffer(context, std::string(array.name) + " readback", bytes, gpu::Domain::kReadback);
     }
     outputs_.set(array.block_index, made.isCopied() ? made.readback.mapped() : made.device.mapped());

@@ -22,7 +22,7 @@ InstanceBytes instanceBytes(const BatchShape& shape) {
   for (const BatchArray& array : batchArrays()) {
     if (!array.per_instance) continue;
     const std::uint64_t bytes = array.bytes(shape);
-    const bool is_copied = array.isReadable() && shape.model.profile.copiesResults();
+    const bool is_copied = array.isForHost(shape.options) && shape.model.profile.copiesResults();
     sum.total += is_copied ? 2 * bytes : bytes;
     sum.largest = std::max(sum.largest, bytes);
   }
