@@ -268,8 +268,10 @@ class Simulator {
   /// it throws Error(kInput), which names the instance. As exportOutputs(); throws Error(kInput) for contact points, and Error(kDevice)
   /// where the device lacks numbers of 64 bits.
   ExportedInputs exportInputs(const ImportMemory& import);
-  /// A descriptor of the timeline semaphore that orders steps and consumers, which the caller owns; -1 if the driver exports none. With
-  /// export_memory a step() may follow another without read(): it waits on the host until the one before has ended.
+  /// A descriptor of the timeline semaphore that orders steps and consumers, which the caller owns; -1 if the driver exports none.
+  ///
+  /// With export_memory a step() may follow another without read(). It waits on the host until the one before has ended; after
+  /// exportInputs() until the one before that has.
   int exportTimeline() const;
   /// Value of the timeline at the end of the last step(), an even number.
   std::uint64_t endOfStep() const;

@@ -48,6 +48,11 @@ constexpr BatchArray perBatch(BatchArray array) {
   return array;
 }
 
+constexpr BatchArray twice(BatchArray array) {
+  array.is_double = true;
+  return array;
+}
+
 constexpr BatchArray readAfter(unsigned read_after, BatchArray array) {
   array.read_after = read_after;
   return array;
@@ -146,11 +151,11 @@ bool isLoopOutput(const BatchOptions& o) {
 constexpr BatchArray kArrays[] = {
     input<block::Poses>("poses", [](Shape s) { return countIf(!s.takesContacts(), slots(s)); }),
     input<block::Motions>("motions", [](Shape s) { return countIf(s.hasFriction(), slots(s)); }),
-    input<block::Instances>("instances", [](Shape) { return std::uint64_t{1}; }),
+    twice(input<block::Instances>("instances", [](Shape) { return std::uint64_t{1}; })),
     input<block::Loads>("loads", [](Shape) { return std::uint64_t{1}; }),
     input<block::Contacts>("contacts", [](Shape s) { return static_cast<std::uint64_t>(s.options.max_contacts); }),
     input<block::NumContacts>("num_contacts", [](Shape s) { return countIf(s.takesContacts(), 1); }),
-    perBatch(input<block::Step>("step", [](Shape) { return std::uint64_t{1}; })),
+    twice(perBatch(input<block::Step>("step", [](Shape) { return std::uint64_t{1}; }))),
     input<block::Cotangents>("cotangents", gradientTaxels),
     input<block::ForceCotangents>("cotangents of forces", gradientTaxels),
     exportedInput<block::InputIds>("input ids", [](Shape s) { return countIf(s.takesInputs(), slots(s)); }),
@@ -262,9 +267,9 @@ constexpr BatchArray kArrays[] = {
     readAfter(kAfterGradient, output<block::GainGradient>("gain gradient", gradientTaxels, always)),
     readAfter(kAfterFrame | kAfterGradient, perBatch(output<block::Problems>(
                                                 "problems", [](Shape) { return std::uint64_t{1}; }, always))),
-    perBatch(output<block::InputProblems>(
+    twice(perBatch(output<block::InputProblems>(
         "input problems", [](Shape) { return std::uint64_t{PlaceInterface::kNumInputProblems}; },
-        [](const BatchOptions& o) { return o.export_memory; })),
+        [](const BatchOptions& o) { return o.export_memory; }))),
     perBatch(output<block::Work>(
         "work", [](Shape) { return std::uint64_t{layout::kNumWorkRows}; }, always)),
 };

@@ -50,6 +50,7 @@ struct BatchArray {
   bool per_instance = true;
   unsigned read_after = kAfterFrame;  // bits of ReadAfter
   Export exports = Export::kNever;
+  bool is_double = false;  // has a second half where the host begins a frame while the one before runs: BatchBuffers
 
   std::uint64_t bytes(const BatchShape& shape) const { return count(shape) * element_bytes; }
   bool isReadable() const { return is_read != nullptr; }

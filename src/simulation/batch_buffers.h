@@ -43,17 +43,17 @@ class BatchBuffers {
  public:
   explicit BatchBuffers(const BatchShape& shape);
 
-  // An input, for the host to write.
+  // An input, for the host to write. `half`: of a frame, 0, or 1 with SimulatorOptions::export_memory.
   template <typename Block>
-  std::span<typename Block::Element> input() const {
-    return arrays_[Block::kIndex].device.template mappedAs<typename Block::Element>();
+  std::span<typename Block::Element> input(std::size_t half = 0) const {
+    return at(Block::kIndex, half).device.template mappedAs<typename Block::Element>();
   }
 
   // Outputs as the last frame left them, for the host.
-  const OutputArrays& outputs() const { return outputs_; }
+  const OutputArrays& outputs() const { return outputs_[0]; }
   template <typename Block>
-  std::span<const typename Block::Element> output() const {
-    return outputs_.output<Block>();
+  std::span<const typename Block::Element> output(std::size_t half = 0) const {
+    return outputs_[half].output<Block>();
   }
 
   // Exports each array of frames, or of inputs; returns what `import` returns for it.
@@ -65,13 +65,13 @@ class BatchBuffers {
     gpu::upload(context, std::as_bytes(std::span(values)), arrays_[Block::kIndex].device);
   }
 
-  void bindTo(gpu::Bindings& bindings) const;
+  void bindTo(gpu::Bindings& bindings, std::size_t half) const;
 
   // Bytes of the arrays that the host may read after such commands.
   std::uint64_t bytesRead(const BatchOptions& options, ReadAfter after) const;
 
   // Copies to where the host reads them, as far as the host cannot read device memory.
-  void recordReadback(gpu::Commands& commands, const BatchOptions& options, ReadAfter after) const;
+  void recordReadback(gpu::Commands& commands, const BatchOptions& options, ReadAfter after, std::size_t half) const;
 
  private:
   struct Array {
@@ -80,8 +80,15 @@ class BatchBuffers {
 
     bool isCopied() const { return readback.size() > 0; }
   };
+  Array makeArray(const BatchShape& shape, const BatchArray& array) const;
+  const Array& at(std::size_t block_index, std::size_t half) const {
+    const Array& second = second_[block_index];
+    return half == 1 && second.device.size() > 0 ? second : arrays_[block_index];
+  }
+
   std::array<Array, block::kNumBlocks> arrays_;  // by index of the block; those of a model are empty
-  OutputArrays outputs_;
+  std::array<Array, block::kNumBlocks> second_;  // of arrays that are double
+  std::array<OutputArrays, 2> outputs_;          // of both halves
 };
 
 }  // namespace taxelsim

@@ -43,9 +43,9 @@ ExportedInputs Simulator::exportInputs(const ImportMemory& import) {
           imported.writable<block::InputLoads>(n)};
 }
 
-void Simulator::Impl::checkInputs() const {
+void Simulator::Impl::checkInputs(std::size_t frame_half) const {
   if (!places) return;
-  const std::span<const std::uint32_t> problems = buffers.output<block::InputProblems>();
+  const std::span<const std::uint32_t> problems = buffers.output<block::InputProblems>(frame_half);
   const auto refuse = [&](std::uint32_t word, const std::string& allowed) {
     if (problems[word] == 0) return;
     const std::uint32_t instance = static_cast<std::uint32_t>(options.num_instances) - problems[word];

@@ -169,23 +169,33 @@ void recordLoop(const Model::Impl& model, const BatchShape& shape, const Recorde
   model.servo.record(recorder, variant);
 }
 
-Recorder recorderOf(const Model::Impl& model, const BatchShape& shape, const BatchBuffers& buffers, gpu::Commands& commands) {
+Recorder recorderOf(const Model::Impl& model, const BatchShape& shape, const BatchBuffers& buffers, gpu::Commands& commands,
+                    std::size_t half) {
   Recorder recorder{commands, {}, static_cast<std::uint64_t>(shape.options.num_instances)};
   model.data.buffers.bindTo(recorder.bindings);
-  buffers.bindTo(recorder.bindings);
+  buffers.bindTo(recorder.bindings, half);
   return recorder;
+}
+
+// Nobody on the host has waited for the frame before.
+void afterFrame(gpu::Commands& commands) {
+  using gpu::Access;
+  for (const Access before : {Access::kKernel, Access::kCopy}) {
+    for (const Access after : {Access::kKernel, Access::kCopy}) commands.barrier(before, after);
+  }
 }
 
 }  // namespace
 
 gpu::Commands recordFrame(const Model::Impl& model, const BatchShape& shape, const BatchBuffers& buffers, const FrameKind& kind,
-                          const layout::SkinBase& base) {
+                          const layout::SkinBase& base, std::size_t half) {
   constexpr std::uint32_t kNumTimestamps = 3;
   gpu::Commands commands(model.data.context(), "a frame", shape.options.device_clock ? kNumTimestamps : 0);
-  Recorder recorder = recorderOf(model, shape, buffers, commands);
+  Recorder recorder = recorderOf(model, shape, buffers, commands, half);
   commands.barrier(gpu::Access::kHostWrite, gpu::Access::kKernel);
   commands.timestamp(0);
   if (kind.places) {
+    afterFrame(commands);
     model.place.record(recorder, {static_cast<std::uint32_t>(shape.options.num_slots), kind.loads}, base);
   }
   if (shape.takesContacts()) {
@@ -198,17 +208,18 @@ gpu::Commands recordFrame(const Model::Impl& model, const BatchShape& shape, con
   recordIntegers(model, shape, recorder);
   recordLoop(model, shape, recorder);
   commands.timestamp(2);
-  buffers.recordReadback(commands, shape.options, kAfterFrame);
+  buffers.recordReadback(commands, shape.options, kAfterFrame, half);
   commands.end();
   return commands;
 }
 
-gpu::Commands recordGradient(const Model::Impl& model, const BatchShape& shape, const BatchBuffers& buffers, bool with_gains) {
+gpu::Commands recordGradient(const Model::Impl& model, const BatchShape& shape, const BatchBuffers& buffers, bool with_gains,
+                             std::size_t half) {
   gpu::Commands commands(model.data.context(), "a gradient");
-  const Recorder recorder = recorderOf(model, shape, buffers, commands);
+  const Recorder recorder = recorderOf(model, shape, buffers, commands, half);
   commands.barrier(gpu::Access::kHostWrite, gpu::Access::kKernel);
   model.tactile_jacobian.recordGradient(recorder, with_gains);
-  buffers.recordReadback(commands, shape.options, kAfterGradient);
+  buffers.recordReadback(commands, shape.options, kAfterGradient, half);
   commands.end();
   return commands;
 }

@@ -26,11 +26,12 @@ struct FrameKind {
 
 // Commands of one frame, not finished; they may be submitted any number of times. Timestamps 0, 1, 2: before, between and after stages 1 to
 // 2 and 3 to 6. `shape` must be that of `buffers`.
-// `base`: of the model's skin.
+// `base`: of the model's skin. `half`: of the arrays that are double.
 gpu::Commands recordFrame(const Model::Impl& model, const BatchShape& shape, const BatchBuffers& buffers, const FrameKind& kind,
-                          const layout::SkinBase& base);
+                          const layout::SkinBase& base, std::size_t half);
 
 // Commands of Simulator::vjp() after a frame, not finished. `shape` must be that of `buffers`.
-gpu::Commands recordGradient(const Model::Impl& model, const BatchShape& shape, const BatchBuffers& buffers, bool with_gains);
+gpu::Commands recordGradient(const Model::Impl& model, const BatchShape& shape, const BatchBuffers& buffers, bool with_gains,
+                             std::size_t half);
 
 }  // namespace taxelsim

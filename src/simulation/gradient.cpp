@@ -26,8 +26,8 @@ void checkFinite(const char* name, std::size_t num_values, std::size_t num_taxel
 }  // namespace
 
 gpu::Commands& Simulator::Impl::gradientCommands(bool with_gains) {
-  std::optional<gpu::Commands>& list = recorded_gradients[with_gains ? 1 : 0];
-  if (!list) list = recordGradient(implOf(model), {data(), options, keeps_candidates}, buffers, with_gains);
+  std::optional<gpu::Commands>& list = recorded_gradients[(with_gains ? 1u : 0u) + 2 * half];
+  if (!list) list = recordGradient(implOf(model), {data(), options, keeps_candidates}, buffers, with_gains, half);
   return *list;
 }
 
@@ -35,7 +35,7 @@ GradientView Simulator::vjp(std::span<const float> cotangent, std::span<const fl
   Impl& impl = *impl_;
   if (!impl.options.outputs.vjp) throw Error(ErrorKind::kInput, "vjp() needs a simulator with outputs.vjp: true");
   impl.ownInputs();
-  if (impl.running != nullptr) throw std::logic_error("vjp() was called before read() of the last step");
+  if (impl.isRunning()) throw std::logic_error("vjp() was called before read() of the last step");
   if (!impl.has_frame) throw std::logic_error("vjp() was called before the first frame: call step() and read() first");
   const auto n = static_cast<std::size_t>(impl.options.num_instances);
   const std::size_t num_taxels = impl.data().num_taxels;

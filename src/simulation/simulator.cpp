@@ -109,8 +109,8 @@ void Simulator::Impl::place(std::size_t instance, std::size_t slot, int id, cons
 
 gpu::Commands& Simulator::Impl::commands(const FrameKind& kind) {
   std::optional<gpu::Commands>& list = recorded[(kind.loads ? 1u : 0u) + (kind.random ? 2u : 0u) + (kind.many_near ? 4u : 0u) +
-                                                8u * static_cast<unsigned>(kind.candidates) + (kind.places ? 32u : 0u)];
-  if (!list) list = recordFrame(implOf(model), {data(), options, keeps_candidates}, buffers, kind, near.skinBase());
+                                                8u * static_cast<unsigned>(kind.candidates) + (kind.places ? 32u : 0u) + 64u * half];
+  if (!list) list = recordFrame(implOf(model), {data(), options, keeps_candidates}, buffers, kind, near.skinBase(), half);
   return *list;
 }
 
@@ -143,7 +143,7 @@ void Simulator::Impl::vary(std::size_t instance, std::uint64_t episode, const Re
   record.drive = {loads[instance], gain, spread, variation.noise};
   record.skin = {skin.stiffness, skin.friction, skin.trigger, skin.hysteresis};
   record.spread = {skin.psf_width * skin.psf_width, skin.delay, skin.trigger_spread, 0.0f};
-  buffers.input<block::Instances>()[instance] = record;
+  for (std::size_t k = 0; k < (options.export_memory ? 2u : 1u); ++k) buffers.input<block::Instances>(k)[instance] = record;
   traffic.bytes_to_device += sizeof(record);
 }
 
@@ -264,7 +264,7 @@ void Simulator::setLoad(int instance, float load) {
   }
   impl_->ownInputs();
   impl_->loads[static_cast<std::size_t>(instance)] = load;
-  impl_->buffers.input<block::Instances>()[static_cast<std::size_t>(instance)].drive.x = load;
+  impl_->buffers.input<block::Instances>(impl_->half)[static_cast<std::size_t>(instance)].drive.x = load;
   impl_->traffic.bytes_to_device += sizeof(load);
 }
 
@@ -337,20 +337,21 @@ void Simulator::prepare(bool loads) {
   for (const FrameKind& kind : kinds) impl_->commands(kind).finish();
 }
 
-void Simulator::Impl::finish() {
-  if (running == nullptr) return;
-  gpu::Commands& frame = *std::exchange(running, nullptr);
-  frame.wait();
+void Simulator::Impl::finish(std::size_t frame_half) {
+  const Running frame = std::exchange(running[frame_half], {});
+  if (frame.commands == nullptr) return;
+  frame.commands->wait();
   const std::span<const glm::uvec4> work = buffers.output<block::Work>();
-  const std::uint32_t num_coherent = keeping ? work[layout::kListCandidates].w : 0;
-  timing = {frame.seconds(0, 1), frame.seconds(1, 2), frame.seconds(0, 2), static_cast<int>(num_coherent)};
-  if (keeping) {
+  const std::uint32_t num_coherent = frame.keeping ? work[layout::kListCandidates].w : 0;
+  const auto seconds = [&](std::uint32_t from, std::uint32_t to) { return frame.commands->seconds(from, to); };
+  timing = {seconds(0, 1), seconds(1, 2), seconds(0, 2), static_cast<int>(num_coherent)};
+  if (frame.keeping) {
     any_candidates = work[layout::kNumLists].x > 0;
     candidate_schedule.found(any_candidates);
   }
   checkLoops();
   has_frame = true;
-  checkInputs();
+  checkInputs(frame_half);
 }
 
 FrameView Simulator::read() {

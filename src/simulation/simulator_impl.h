@@ -77,10 +77,15 @@ struct Simulator::Impl {
   gpu::Commands& gradientCommands(bool with_gains);
   // Submits a list whose outputs the host reads.
   void submit(gpu::Commands& list, ReadAfter after);
-  // Waits for the running frame, if any.
-  void finish();
+  bool isRunning() const { return running[0].commands != nullptr || running[1].commands != nullptr; }
+  // Waits for a running frame, if any; for all of them, in their order.
+  void finish(std::size_t frame_half);
+  void finish() {
+    finish(half ^ 1u);
+    finish(half);
+  }
   // Throws Error(kInput) if inputs of another interface were not allowed.
-  void checkInputs() const;
+  void checkInputs(std::size_t frame_half) const;
   // Before the host writes inputs that a running frame reads: with exported outputs nobody has waited for it.
   void ownInputs() {
     if (options.export_memory) finish();
@@ -104,15 +109,20 @@ struct Simulator::Impl {
   std::uint32_t num_steps = 0;  // of the batch so far
   bool keeps_candidates;        // while no instance is driven by load
   bool any_candidates = false;  // after the last frame
-  bool keeping = false;         // in the frame that is running
   CandidateSchedule candidate_schedule;
   NearSlots near;
   std::vector<std::size_t> placed;  // with closed loops: instances whose object was set since the last step
   std::optional<Motions> motions;   // of a sensor with friction
   ThreadTeam team;                  // shares loops over the instances; the results do not depend on their number
-  std::array<std::optional<gpu::Commands>, 64> recorded;
-  std::array<std::optional<gpu::Commands>, 2> recorded_gradients;  // without and with gains
-  gpu::Commands* running = nullptr;
+  std::array<std::optional<gpu::Commands>, 128> recorded;
+  std::array<std::optional<gpu::Commands>, 4> recorded_gradients;  // without and with gains, by half
+  // A frame that the device computes.
+  struct Running {
+    gpu::Commands* commands = nullptr;
+    bool keeping = false;  // it runs the candidate passes
+  };
+  std::array<Running, 2> running;         // by half of the arrays that are double
+  std::size_t half = 0;                   // of the last frame; the halves take turns while the host places no objects
   bool places = false;                    // another interface writes objects, poses and loads
   bool takes_loads = false;               // of that interface
   std::optional<gpu::Timeline> timeline;  // orders steps and consumers of exported outputs, where the driver exports one

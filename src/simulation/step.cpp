@@ -19,7 +19,7 @@ std::size_t Simulator::Impl::numSelected(const Selection& selection) const {
 }
 
 void Simulator::Impl::startFrame(std::size_t instance, double dt, const FrameTiming& frame_timing, std::size_t num_near) {
-  layout::InstanceRecord& record = buffers.input<block::Instances>()[instance];
+  layout::InstanceRecord& record = buffers.input<block::Instances>(half)[instance];
   Clock& clock = clocks[instance];
   const std::uint64_t episode = episodes[instance];
   const std::uint32_t frame = clock.frames;
@@ -41,8 +41,10 @@ void Simulator::Impl::startFrame(std::size_t instance, double dt, const FrameTim
 
 FrameKind::Candidates Simulator::Impl::candidatesOf(const Selection& selection, bool any_load, bool one_near) {
   using Candidates = FrameKind::Candidates;
-  keeping = selection.isAll() && keeps_candidates && one_near && !any_load && candidate_schedule.keeps();
-  if (keeping) return any_candidates ? Candidates::kUsed : Candidates::kKept;
+  const bool keeps = selection.isAll() && keeps_candidates && one_near && !any_load && candidate_schedule.keeps();
+  running[half].keeping = keeps;
+  // While the frame before runs, nobody knows whether it has found any.
+  if (keeps) return any_candidates || isRunning() ? Candidates::kUsed : Candidates::kKept;
   return (selection.isAll() && one_near) || !keeps_candidates || any_load ? Candidates::kSkipped : Candidates::kLeft;
 }
 
@@ -55,7 +57,7 @@ bool Simulator::Impl::startFrames(double dt, const Selection& selection, std::si
         startFrame(i, dt, frame_timing, num_near);
       } else {
         flags[i] = layout::kFlagHeld;
-        buffers.input<block::Instances>()[i].keys.w = flags[i];
+        buffers.input<block::Instances>(half)[i].keys.w = flags[i];
       }
     }
   });
@@ -82,7 +84,9 @@ std::size_t Simulator::Impl::packPoses() {
 }
 
 void Simulator::Impl::step(double dt, const Selection& selection) {
-  finish();
+  if (places) half ^= 1u;
+  finish(half);
+  if (!places) finish();
   layout::StepRecord step_record = stepRecord(dt, selection);
   const std::size_t num_near = places ? static_cast<std::size_t>(options.num_slots) : packPoses();
   if (!takesContacts()) step_record.batch.y = static_cast<std::uint32_t>(num_near);
@@ -93,12 +97,12 @@ void Simulator::Impl::step(double dt, const Selection& selection) {
   }
   const FrameKind::Candidates candidates = candidatesOf(selection, any_load, num_near == 1);
   step_record.candidates.x = candidates == FrameKind::Candidates::kUsed;
-  buffers.input<block::Step>()[0] = step_record;
+  buffers.input<block::Step>(half)[0] = step_record;
   traffic.bytes_to_device += sizeof(step_record);
   gpu::Commands& frame =
       commands({.loads = any_load, .random = anyRandom(), .many_near = num_near > 1, .places = places, .candidates = candidates});
   submit(frame, kAfterFrame);
-  running = &frame;
+  running[half].commands = &frame;
 }
 
 void Simulator::Impl::submit(gpu::Commands& list, ReadAfter after) {
@@ -110,7 +114,7 @@ void Simulator::Impl::submit(gpu::Commands& list, ReadAfter after) {
 
 void Simulator::Impl::checkCanStep(double dt) const {
   if (!(dt > 0) || std::isinf(dt)) throw Error(ErrorKind::kInput, "dt: " + std::to_string(dt) + " is not allowed: s, > 0");
-  if (running != nullptr && !options.export_memory) throw std::logic_error("a step was taken before read() of the last one");
+  if (isRunning() && !options.export_memory) throw std::logic_error("a step was taken before read() of the last one");
 }
 
 void Simulator::step(double dt) {
