@@ -36,6 +36,11 @@ class SharedArrays {
   void addConsumer(interop::Stream stream);
   // All consumers wait for the last step.
   void releaseStep();
+  // After a step was submitted: where the device can order them, consumers wait for it at once, so that what they write does not overtake
+  // it.
+  void stepSubmitted() {
+    if (timeline_) releaseStep();
+  }
   // The next step waits for what the consumers have been given to do so far.
   void holdNextStep();
 

@@ -69,6 +69,7 @@ class SharedSimulator {
       } else {
         simulator.step(dt, mask);
       }
+      if (shared_) shared_->get().stepSubmitted();
       running_ = true;
     });
   }
