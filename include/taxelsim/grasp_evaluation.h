@@ -12,28 +12,12 @@
 #include "taxelsim/contact_misses.h"
 #include "taxelsim/device.h"
 #include "taxelsim/evaluate.h"
+#include "taxelsim/policy.h"
 #include "taxelsim/progress.h"
 #include "taxelsim/scene.h"
+#include "taxelsim/verdict.h"
 
 namespace taxelsim {
-
-/// Judgement of one finger in one episode, by clean forces. "End": the last GraspTask::hold seconds.
-struct FingerVerdict {
-  bool held = false;         ///< Whether the finger met GraspTask.
-  double target = 0;         ///< N, target force of the episode.
-  double force_error = 0;    ///< N, root mean square of the force minus its target, over the frames of the end.
-  double settling_time = 0;  ///< s until the force stays within its tolerance to the end of the episode; NaN if it does not.
-  double peak_force = 0;     ///< N, largest force.
-  double drift = 0;    ///< m, largest distance of the centre of pressure from where it was when the end began; NaN if it lost contact.
-  int num_losses = 0;  ///< Times that contact was lost.
-};
-
-/// Judgement of one episode.
-struct GraspVerdict {
-  std::uint64_t episode = 0;           ///< Number of the episode.
-  bool success = false;                ///< Whether every finger held.
-  std::vector<FingerVerdict> fingers;  ///< (num_fingers), in the order of Grasp::fingers.
-};
 
 /// Statistics of one finger, or of all fingers of an episode together: then with the largest value of its fingers, and the sum of losses.
 struct FingerScore {
@@ -50,9 +34,10 @@ struct FingerScore {
   std::uint64_t num_lost = 0;      ///< Episodes that lost contact at least once.
 };
 
-/// Evaluation of one gain.
+/// Evaluation of one gain, or of a policy.
 struct GraspEvaluation {
-  double gain = 0;                     ///< 1/s, Grasp::gain.
+  double gain = 0;                     ///< 1/s, Grasp::gain; 0 of a policy.
+  std::string policy = {};             ///< Policy::name; empty for a gain.
   std::vector<GraspVerdict> verdicts;  ///< (num_episodes), in order of episodes.
   FingerScore total;                   ///< Over all fingers of each episode.
   std::vector<FingerScore> fingers;    ///< (num_fingers), in the order of Grasp::fingers.
@@ -71,13 +56,15 @@ struct GraspEvaluateOptions {
   const std::atomic<bool>* stop = nullptr;
   /// Plays these episodes of the scene only; not empty. graspEvaluationOf() puts the verdicts of ranges together. Default: all.
   std::optional<EpisodeRange> episodes{};
+  /// Policy that moves the joints instead of the law of the scene. Its evaluation comes first. Default: none.
+  std::optional<Policy> policy{};
 };
 
 /// Plays the episodes of a scene of kind grasp with each gain, and judges them by Grasp::task. Submits and waits; blocks until all are
 /// judged or *stop is true.
 ///
-/// `gains`: 1/s, > 0 to the simulation rate; empty for that of the scene. At most 2^24 episodes. Throws Error(kInput) for a scene of
-/// another kind, a gain out of range and options out of range, and what Model and Simulator throw.
+/// `gains`: 1/s, > 0 to the simulation rate; empty for that of the scene, or for none if there is a policy. At most 2^24 episodes. Throws
+/// Error(kInput) for a scene of another kind, a gain out of range and options out of range, and what Model and Simulator throw.
 ///
 /// Threads: may be called from several threads at once.
 std::vector<GraspEvaluation> evaluateGrasp(const Device& device, const Scene& scene, const std::vector<double>& gains = {},

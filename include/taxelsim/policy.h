@@ -7,6 +7,7 @@
 #include <string>
 
 #include "taxelsim/environment.h"
+#include "taxelsim/grasp_environment.h"
 #include "taxelsim/pose.h"
 #include "taxelsim/simulator.h"
 
@@ -21,7 +22,14 @@ struct PolicyInput {
   int first_instance = 0;
 };
 
-/// A policy: a function of a batch of observations. Exactly one of `act` and `act_joints` must be set.
+/// The same in a scene of kind grasp, whose instances are in lockstep: all episodes of a batch are due at once.
+struct GraspPolicyInput {
+  GraspView view;                  ///< All N instances of the batch. Valid during the call.
+  std::span<const int> instances;  ///< (num_due), 0, 1, ..., >= 1: instances of the view that run an episode. Only these may be read.
+};
+
+/// A policy: a function of a batch of observations. Exactly one of `act`, `act_joints` and, in a scene of kind grasp, `act_grasp` must be
+/// set.
 ///
 /// It is called once per slice and frame in which any instance is due, for all of them, in the one thread that simulates. An exception that
 /// it throws ends the run and is thrown by it. So does a value that is not finite: Error(kInput) names the episode and the instance.
@@ -37,6 +45,8 @@ struct Policy {
   std::function<void(const PolicyInput&, std::span<Twist>)> act{};
   /// The same for joint velocities (N x num_joints; rad/s or m/s) of a manipulator; see Environment::actJoints().
   std::function<void(const PolicyInput&, std::span<double>)> act_joints{};
+  /// The same in a scene of kind grasp: writes joint velocities (N x num_joints; rad/s or m/s), all rows of `instances`.
+  std::function<void(const GraspPolicyInput&, std::span<double>)> act_grasp{};
 };
 
 }  // namespace taxelsim

@@ -128,7 +128,7 @@ struct Scene {
   std::vector<SceneObject> objects;                ///< Objects, at least one; of a kGrasp scene at most kMaxSlots; none of kContactPoints.
   int num_steps = 1;                               ///< Frames per episode; 1 for kContacts.
   double simulation_rate = 100;                    ///< Hz. Default 100.
-  double control_rate = 100;                       ///< Hz, an integer fraction of simulation_rate. Default 100.
+  double control_rate = 100;                       ///< Hz, an integer fraction of simulation_rate; of kGrasp: of policies. Default 100.
   Randomization randomization;                     ///< Random variables of an episode.
   std::vector<SceneController> controllers{1};     ///< Controllers of a kServo scene, at least one.
   std::optional<Task> task;                        ///< Task of a kServo scene, required by evaluate().

@@ -36,6 +36,7 @@ namespace taxelsim {}
 #include "taxelsim/evaluation_part.h"
 #include "taxelsim/experiment.h"
 #include "taxelsim/generate.h"
+#include "taxelsim/grasp_environment.h"
 #include "taxelsim/grasp_evaluation.h"
 #include "taxelsim/log.h"
 #include "taxelsim/measurement.h"

@@ -1,9 +1,10 @@
 /// @file
-/// The verdict on one episode of a task.
+/// The verdict on one episode of a task, and on one of a grasp.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "taxelsim/task.h"
 
@@ -24,6 +25,24 @@ struct Verdict {
   int num_losses = 0;                                  ///< Times that contact was lost.
   std::uint8_t robot = 0;    ///< All robot status bits that occurred: 1 joint limit, 2 velocity limit, 4 singular, 8 lost.
   bool load_reached = true;  ///< False if the skin could not carry the load, so that the episode began with the deepest contact.
+};
+
+/// Judgement of one finger in one episode, by clean forces. "End": the last GraspTask::hold seconds.
+struct FingerVerdict {
+  bool held = false;         ///< Whether the finger met GraspTask.
+  double target = 0;         ///< N, target force of the episode.
+  double force_error = 0;    ///< N, root mean square of the force minus its target, over the frames of the end.
+  double settling_time = 0;  ///< s until the force stays within its tolerance to the end of the episode; NaN if it does not.
+  double peak_force = 0;     ///< N, largest force.
+  double drift = 0;    ///< m, largest distance of the centre of pressure from where it was when the end began; NaN if it lost contact.
+  int num_losses = 0;  ///< Times that contact was lost.
+};
+
+/// Judgement of one episode.
+struct GraspVerdict {
+  std::uint64_t episode = 0;           ///< Number of the episode.
+  bool success = false;                ///< Whether every finger held.
+  std::vector<FingerVerdict> fingers;  ///< (num_fingers), in the order of Grasp::fingers.
 };
 
 }  // namespace taxelsim

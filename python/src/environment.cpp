@@ -9,13 +9,13 @@
 #include <nanobind/stl/vector.h>
 
 #include <limits>
-#include <mutex>
 #include <optional>
 #include <tuple>
 #include <vector>
 
 #include "environment_views.h"
 #include "handles.h"
+#include "shared.h"
 #include "shared_arrays.h"
 #include "verdict_arrays.h"
 #include "without_gil.h"
@@ -30,25 +30,13 @@ using Table = nb::ndarray<const Element, nb::ndim<2>, nb::c_contig, nb::device::
 
 static_assert(sizeof(Twist) == 6 * sizeof(double));
 
-// An Environment that several Python threads may call: calls wait for each other, without the GIL.
-class SharedEnvironment {
+// An Environment whose images another interface of the GPU may share.
+class SharedEnvironment : public Shared<Environment> {
  public:
-  // `platform`: interface of the GPU that images are shared with, if any.
+  // `platform`: that interface, if any.
   SharedEnvironment(const Device& device, const Scene& scene, const EnvironmentOptions& options, std::optional<interop::Platform> platform)
-      : environment_(device, scene, options) {
-    if (platform) shared_.emplace(environment_.get().simulator(), *platform);
-  }
-  ~SharedEnvironment() {
-    const nb::gil_scoped_release release;  // waits for the device if a frame is unread
-    const std::lock_guard lock(mutex_);
-  }
-
-  // Calls `use(environment)` without the GIL.
-  template <typename Use>
-  auto with(Use use) {
-    const WithoutGil released;
-    const std::lock_guard lock(mutex_);
-    return use(environment_.get());
+      : Shared(device, scene, options) {
+    if (platform) with([&](Environment& environment) { shared_.emplace(environment.simulator(), *platform); });
   }
 
   // Calls `use(environment)`, which computes frames, in the order of the streams that use the images.
@@ -61,7 +49,6 @@ class SharedEnvironment {
     });
   }
 
-  const Environment& get() const { return environment_.get(); }
   SharedArrays* shared() { return shared_ ? &shared_->get() : nullptr; }
 
   template <typename Use>
@@ -70,9 +57,7 @@ class SharedEnvironment {
   }
 
  private:
-  std::mutex mutex_;
-  Owned<Environment> environment_;
-  std::optional<Owned<SharedArrays>> shared_;  // destroyed first
+  std::optional<Owned<SharedArrays>> shared_;  // destroyed before the environment
 };
 
 void init(SharedEnvironment* self, const DeviceHandle& device, const Scene& scene, int num_instances, const OutputOptions& outputs,
@@ -162,12 +147,13 @@ std::pair<double, double> servoLimits(const Scene& scene) {
   return {servo.max_linear_velocity, servo.max_angular_velocity};
 }
 
-// Name, whether it is revolute, and velocity limit of each joint; empty without joints.
-std::vector<std::tuple<std::string, bool, double>> jointsOf(const Scene& scene) {
-  std::vector<std::tuple<std::string, bool, double>> joints;
+// Name, whether it is revolute, velocity limit, and lower and upper position limit of each joint; empty without joints.
+std::vector<std::tuple<std::string, bool, double, double, double>> jointsOf(const Scene& scene) {
+  std::vector<std::tuple<std::string, bool, double, double, double>> joints;
   const auto* robot = std::get_if<Manipulator>(&scene.robot);
   if (robot == nullptr) return joints;
-  for (const Joint& joint : robot->joints) joints.emplace_back(joint.name, joint.type == JointType::kRevolute, joint.max_velocity);
+  for (const Joint& joint : robot->joints)
+    joints.emplace_back(joint.name, joint.type == JointType::kRevolute, joint.max_velocity, joint.lower, joint.upper);
   return joints;
 }
 
@@ -194,7 +180,8 @@ void bindEnvironment(nb::module_& module) {
       .def_prop_ro("dt", [](const SharedEnvironment& self) { return self.get().dt(); });
   module.def("episode_keys", &episodeKeys, "seeds"_a, "instances"_a, "num_resets"_a);
   module.def("task_of", &taskOf, "scene"_a, "Tolerances by TASK_MEASURES (NaN: no criterion), laps, travel (m), hold (s).");
-  module.def("joints_of", &jointsOf, "scene"_a, "Name, whether it is revolute, and velocity limit (rad/s or m/s) of each joint.");
+  module.def("joints_of", &jointsOf, "scene"_a,
+             "Name, whether it is revolute, velocity limit (rad/s or m/s), lower and upper position limit (rad or m) of each joint.");
   module.def("servo_limits", &servoLimits, "scene"_a, "Largest linear (m/s) and angular velocity (rad/s) of the first controller.");
 }
 

@@ -1,23 +1,38 @@
-// Evaluations of scenes of kind grasp.
+// Batches of grasps and their evaluations. Python's Environment checks arrays before it calls the class here.
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
+#include <tuple>
 
+#include "environment_views.h"
 #include "handles.h"
 #include "interruptible.h"
+#include "policy_argument.h"
+#include "shared.h"
+#include "taxelsim/grasp_environment.h"
 #include "taxelsim/grasp_evaluation.h"
 
 namespace taxelsim::python {
 namespace {
 
+template <typename Element>
+using Column = nb::ndarray<const Element, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+template <typename Element>
+using Table = nb::ndarray<const Element, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+
 // complete: list to which the complete evaluations of a run that is interrupted are appended.
 std::vector<GraspEvaluation> runEvaluateGrasp(const DeviceHandle& device, const Scene& scene, const std::vector<double>& gains,
-                                              int batch_size, const nb::object& on_progress, nb::list complete) {
+                                              int batch_size, const nb::object& on_progress, const PolicyArgument& policy,
+                                              nb::list complete) {
   using Evaluations = std::vector<GraspEvaluation>;
-  const auto run = [&](auto report, const std::atomic<bool>& stop, CallingThread&) {
-    return evaluateGrasp(device.get(), scene, gains, {.batch_size = batch_size, .on_progress = report, .stop = &stop});
+  const auto run = [&](auto report, const std::atomic<bool>& stop, CallingThread& calling_thread) {
+    return evaluateGrasp(
+        device.get(), scene, gains,
+        {.batch_size = batch_size, .on_progress = report, .stop = &stop, .policy = policyOf(policy, scene, calling_thread)});
   };
   return runInterruptibly<Evaluations>(on_progress, run, [&](Evaluations evaluations) {
     for (GraspEvaluation& evaluation : evaluations) complete.append(nb::cast(std::move(evaluation)));
@@ -37,14 +52,12 @@ nb::object filled(std::size_t num_episodes, std::size_t num_fingers, Value value
   return nb::ndarray<nb::numpy, Element>(values, num_fingers == 0 ? 1 : 2, shape, owner).cast();
 }
 
-nb::dict graspArrays(const GraspEvaluation& evaluation) {
-  const std::vector<GraspVerdict>& verdicts = evaluation.verdicts;
+nb::dict graspVerdictArrays(const std::vector<GraspVerdict>& verdicts, std::size_t num_fingers) {
   nb::dict arrays;
   arrays["episode"] = filled<std::uint64_t>(verdicts.size(), 0, [&](auto i, auto) { return verdicts[i].episode; });
   arrays["success"] = filled<bool>(verdicts.size(), 0, [&](auto i, auto) { return verdicts[i].success; });
   const auto add = [&]<typename Member>(const char* name, Member FingerVerdict::*member) {
-    arrays[name] =
-        filled<Member>(verdicts.size(), evaluation.fingers.size(), [&](auto i, auto f) { return verdicts[i].fingers[f].*member; });
+    arrays[name] = filled<Member>(verdicts.size(), num_fingers, [&](auto i, auto f) { return verdicts[i].fingers[f].*member; });
   };
   add("held", &FingerVerdict::held);
   add("target_force", &FingerVerdict::target);
@@ -54,6 +67,68 @@ nb::dict graspArrays(const GraspEvaluation& evaluation) {
   add("drift", &FingerVerdict::drift);
   add("num_losses", &FingerVerdict::num_losses);
   return arrays;
+}
+
+using SharedGrasps = Shared<GraspEnvironment>;
+
+void bindBatch(nb::module_& module) {
+  nb::class_<SharedGrasps>(module, "GraspEnvironment", "The batch behind taxelsim.Environment of a scene of kind grasp.")
+      .def(
+          "__init__",
+          [](SharedGrasps* self, const DeviceHandle& device, const Scene& scene, int num_instances, const OutputOptions& outputs) {
+            new (self) SharedGrasps(device.get(), scene, EnvironmentOptions{.num_instances = num_instances, .outputs = outputs});
+          },
+          "device"_a, "scene"_a, "num_instances"_a, "outputs"_a, nb::call_guard<WithoutGil>())
+      .def(
+          "reset",
+          [](SharedGrasps& self, const Column<std::uint8_t>& mask, const Column<std::uint64_t>& episodes) {
+            self.with([&](GraspEnvironment& batch) { batch.reset({mask.data(), mask.shape(0)}, {episodes.data(), episodes.shape(0)}); });
+          },
+          "mask"_a, "episodes"_a)
+      .def(
+          "step_joints",
+          [](SharedGrasps& self, const Table<double>& velocities, int num_frames) {
+            self.with([&](GraspEnvironment& batch) { batch.step({velocities.data(), velocities.size()}, num_frames); });
+          },
+          "velocities"_a, "num_frames"_a)
+      .def(
+          "advance", [](SharedGrasps& self, int num_frames) { self.with([&](GraspEnvironment& batch) { batch.advance(num_frames); }); },
+          "num_frames"_a)
+      .def("arrays",
+           [](nb::handle self) {
+             const GraspView view = nb::cast<SharedGrasps&>(self).with([](GraspEnvironment& batch) { return batch.observe(); });
+             return arraysOf(view, self);
+           })
+      .def("task_arrays",
+           [](nb::handle self) {
+             auto& shared = nb::cast<SharedGrasps&>(self);
+             return arraysOf(shared.with([](GraspEnvironment& batch) { return batch.state(); }), shared.get().numInstances(), self);
+           })
+      .def(
+          "judge",
+          [](SharedGrasps& self, const Column<int>& instances) {
+            std::vector<GraspVerdict> verdicts;
+            self.with([&](GraspEnvironment& batch) {
+              for (std::size_t k = 0; k < instances.shape(0); ++k) verdicts.push_back(batch.judge(instances.data()[k]));
+            });
+            return graspVerdictArrays(verdicts, self.get().scene().grasp->fingers.size());
+          },
+          "instances"_a)
+      .def_prop_ro("num_instances", [](const SharedGrasps& self) { return self.get().numInstances(); })
+      .def_prop_ro("num_joints", [](const SharedGrasps& self) { return self.get().numJoints(); })
+      .def_prop_ro("num_frames", [](const SharedGrasps& self) { return self.get().numFrames(); })
+      .def_prop_ro("dt", [](const SharedGrasps& self) { return self.get().dt(); })
+      .def_prop_ro("control_period", [](const SharedGrasps& self) { return self.get().controlPeriod(); });
+  module.def(
+      "grasp_task_of",
+      [](const Scene& scene) {
+        const GraspTask& task = scene.grasp->task;
+        std::vector<std::string> fingers;
+        for (const GraspFinger& finger : scene.grasp->fingers)
+          fingers.push_back(scene.grasp->sensors[static_cast<std::size_t>(finger.sensor)].name);
+        return std::tuple(task.tolerance, task.hold, task.drift, fingers);
+      },
+      "scene"_a, "Tolerance, fraction of the target force; hold, s; drift, m, or None; sensors of the fingers.");
 }
 
 void bindScores(nb::module_& module) {
@@ -79,11 +154,13 @@ void bindScores(nb::module_& module) {
 }  // namespace
 
 void bindGrasps(nb::module_& module) {
+  bindBatch(module);
   bindScores(module);
-  nb::class_<GraspEvaluation>(module, "GraspEvaluation", "Evaluation of one gain of a grasp.")
-      .def_ro("gain", &GraspEvaluation::gain, "1/s, gain of the force control.")
+  nb::class_<GraspEvaluation>(module, "GraspEvaluation", "Evaluation of one gain of a grasp, or of a policy.")
+      .def_ro("gain", &GraspEvaluation::gain, "1/s, gain of the force control; 0 of a policy.")
+      .def_ro("policy", &GraspEvaluation::policy, "Name of the policy; empty for a gain.")
       .def_prop_ro(
-          "verdicts", [](const GraspEvaluation& self) { return graspArrays(self); },
+          "verdicts", [](const GraspEvaluation& self) { return graspVerdictArrays(self.verdicts, self.fingers.size()); },
           nb::sig("def verdicts(self) -> dict[str, numpy.typing.NDArray[typing.Any]]"),
           R"(Verdict of every episode, as a dict of arrays (num_episodes) or, by finger in the order of `fingers`, (num_episodes, num_fingers); a copy.
 
@@ -91,7 +168,8 @@ episode, success (whether every finger held). By finger: held, target_force (N),
 (s; NaN if it does not settle), peak_force (N), drift (m; NaN if contact was lost), num_losses.)")
       .def_ro("total", &GraspEvaluation::total, "Score over all fingers of each episode.")
       .def_ro("fingers", &GraspEvaluation::fingers, "(num_fingers), in the order of the scene.");
-  module.def("evaluate_grasp", &runEvaluateGrasp, "device"_a, "scene"_a, "gains"_a, "batch_size"_a, "on_progress"_a.none(), "complete"_a);
+  module.def("evaluate_grasp", &runEvaluateGrasp, "device"_a, "scene"_a, "gains"_a, "batch_size"_a, "on_progress"_a.none(),
+             "policy"_a.none(), "complete"_a);
 }
 
 }  // namespace taxelsim::python

@@ -105,6 +105,7 @@ from .environment import Environment, EnvironmentFrame, TaskState, episode_keys
 from .errors import ArgumentError, DeviceError, Error, InputError, IoError, OutOfRangeError
 from .frame import CleanTactileJacobian, ContactFeatures, Features, Frame, GroundTruth, TactileJacobian
 from .gradients import Gradient, vjp
+from .grasps import GraspEnvironment, GraspFrame, GraspState
 from .inputs import NO_OBJECT, Inputs
 from .parts import EvaluationPart, evaluate_part, merge_evaluations
 from .policies import Comparison, OnnxPolicy, Policy, compare
@@ -152,7 +153,10 @@ __all__ = [
     "Friction",
     "GenerateResult",
     "Gradient",
+    "GraspEnvironment",
     "GraspEvaluation",
+    "GraspFrame",
+    "GraspState",
     "GridPatch",
     "GroundTruth",
     "HalfSpace",

@@ -128,20 +128,87 @@ class EnvironmentLayout:
 
 def frame_of(arrays: Mapping[str, Any], num_instances: int, num_sensors: int) -> EnvironmentFrame:
     """The arrays of the library, which have num_instances x num_sensors rows of sensors, as a frame."""
-    sensors = arrays["frame"] if num_sensors == 1 else _split(arrays["frame"], num_instances, num_sensors)
+    sensors = arrays["frame"] if num_sensors == 1 else split_sensors(arrays["frame"], num_instances, num_sensors)
     return EnvironmentFrame({**sensors, **{name: values for name, values in arrays.items() if name != "frame"}})
 
 
-def _split(arrays: Mapping[str, Any], num_instances: int, num_sensors: int) -> dict[str, Any]:
+def split_sensors(arrays: Mapping[str, Any], num_instances: int, num_sensors: int) -> dict[str, Any]:
+    """Arrays (num_instances x num_sensors, ...) as (num_instances, num_sensors, ...)."""
     return {
-        name: _split(values, num_instances, num_sensors)
+        name: split_sensors(values, num_instances, num_sensors)
         if isinstance(values, Mapping)
         else values.reshape(num_instances, num_sensors, *values.shape[1:])
         for name, values in arrays.items()
     }
 
 
-class Environment:
+class EpisodeBatch:
+    """What the batches of all kinds of scenes share: instances that run episodes, whose joints the caller moves."""
+
+    def __init__(self, batch: _core.Environment | _core.GraspEnvironment, scene: Scene) -> None:
+        self._batch: Any = batch
+        self._scene = scene
+        self._N: Dimension = (batch.num_instances, "N")
+
+    @property
+    def scene(self) -> Scene:
+        """The scene."""
+        return self._scene
+
+    @property
+    def num_instances(self) -> int:
+        """N."""
+        return int(self._batch.num_instances)
+
+    @property
+    def num_frames(self) -> int:
+        """Frames per episode."""
+        return int(self._batch.num_frames)
+
+    @property
+    def control_period(self) -> int:
+        """Frames from one control tick to the next."""
+        return int(self._batch.control_period)
+
+    @property
+    def dt(self) -> float:
+        """s, from one frame to the next."""
+        return float(self._batch.dt)
+
+    def reset(self, mask: npt.ArrayLike, episodes: npt.ArrayLike) -> None:
+        """Starts episode episodes[i] on every instance i with mask[i], and computes its frame 0. Waits.
+
+        mask: (N,) booleans. episodes: (N,) integers, 0 to 2^64 - 1; see episode_keys(). All other instances stay as they are, bit for bit.
+        """
+        checked = to_array("mask", mask, np.bool_, [[self._N]])
+        self._batch.reset(checked.view(np.uint8), to_array("episodes", episodes, np.uint64, [[self._N]]))
+
+    def step_joints(self, velocities: npt.ArrayLike, num_frames: int | None = None) -> None:
+        """Commands joint velocities (N, num_joints; rad/s or m/s), and advances by some frames; default: one control period. Waits.
+
+        Velocities beyond a limit are reduced. Raises InputError, and changes nothing, for another shape or dtype, or for a value that is
+        not finite.
+        """
+        checked = to_array("velocities", velocities, np.float64, [[self._N, self._batch.num_joints]])
+        self._batch.step_joints(checked, self._frames(num_frames))
+
+    def advance(self, num_frames: int) -> None:
+        """Advances by some frames; the robots keep their actions. Waits for the last frame."""
+        self._batch.advance(self._frames(num_frames))
+
+    def _judged(self, instances: npt.ArrayLike) -> dict[str, npt.NDArray[Any]]:
+        checked = to_array("instances", instances, np.int32, [[(-1, "K")]], per_instance=False)
+        verdicts: dict[str, npt.NDArray[Any]] = self._batch.judge(checked)
+        return verdicts
+
+    def _frames(self, num_frames: int | None) -> int:
+        return self.control_period if num_frames is None else checked_count("num_frames", num_frames)
+
+    def __repr__(self) -> str:
+        return f"<taxelsim.{type(self).__name__} of {self.num_instances} instances of {self._scene.name}>"
+
+
+class Environment(EpisodeBatch):
     """A batch of instances that run episodes of a scene of kind servo. See taxelsim.envs for environments of Gymnasium.
 
     reset(), then in a loop: observe(), step(). An episode depends on the scene, its number and the actions alone, whatever the number of
@@ -173,48 +240,14 @@ class Environment:
         platform = platform_of(memory, device)
         if platform is not None and image_unit != "counts":
             raise InputError(f"image_unit: {image_unit!r} is not allowed where memory is {memory!r}: 'counts'")
-        self._scene = scene if isinstance(scene, Scene) else _core.load_scene(os.fspath(scene))
-        self._batch = _core.Environment(device, self._scene, num_instances, outputs or NO_OUTPUTS, max_regions, platform)
+        loaded = scene if isinstance(scene, Scene) else _core.load_scene(os.fspath(scene))
+        super().__init__(_core.Environment(device, loaded, num_instances, outputs or NO_OUTPUTS, max_regions, platform), loaded)
         self._newtons = newtons_of_counts(self._scene.sensor.readout) if image_unit == "newtons" else None
-        self._N: Dimension = (num_instances, "N")
-
-    @property
-    def scene(self) -> Scene:
-        """The scene."""
-        return self._scene
-
-    @property
-    def num_instances(self) -> int:
-        """N."""
-        return self._batch.num_instances
-
-    @property
-    def num_frames(self) -> int:
-        """Frames per episode."""
-        return self._batch.num_frames
-
-    @property
-    def control_period(self) -> int:
-        """Frames from one control tick to the next."""
-        return self._batch.control_period
-
-    @property
-    def dt(self) -> float:
-        """s, from one frame to the next."""
-        return self._batch.dt
 
     @property
     def layout(self) -> EnvironmentLayout:
         """Sensor, and numbers of sensors and joints."""
         return EnvironmentLayout(self._scene.sensor, self._batch.num_sensors, self._batch.num_joints)
-
-    def reset(self, mask: npt.ArrayLike, episodes: npt.ArrayLike) -> None:
-        """Starts episode episodes[i] on every instance i with mask[i], and computes its frame 0. Waits.
-
-        mask: (N,) booleans. episodes: (N,) integers, 0 to 2^64 - 1; see episode_keys(). All other instances stay as they are, bit for bit.
-        """
-        checked = to_array("mask", mask, np.bool_, [[self._N]])
-        self._batch.reset(checked.view(np.uint8), to_array("episodes", episodes, np.uint64, [[self._N]]))
 
     def step(self, twists: npt.ArrayLike, num_frames: int | None = None) -> None:
         """Commands `twists`, and advances by some frames; default: one control period. Waits for the last frame.
@@ -223,18 +256,6 @@ class Environment:
         tick is not due, are ignored. Raises InputError, and changes nothing, for another shape or dtype, or for NaN.
         """
         self._batch.step(to_array("twists", twists, np.float64, [[self._N, 6]]), self._frames(num_frames))
-
-    def step_joints(self, velocities: npt.ArrayLike, num_frames: int | None = None) -> None:
-        """As step(), with joint velocities (N, num_joints; rad/s or m/s) of a manipulator."""
-        checked = to_array("velocities", velocities, np.float64, [[self._N, self._batch.num_joints]])
-        self._batch.step_joints(checked, self._frames(num_frames))
-
-    def advance(self, num_frames: int) -> None:
-        """Advances by some frames; the robots keep their actions. Waits for the last frame."""
-        self._batch.advance(self._frames(num_frames))
-
-    def _frames(self, num_frames: int | None) -> int:
-        return self.control_period if num_frames is None else checked_count("num_frames", num_frames)
 
     def observe(self) -> EnvironmentFrame:
         """The latest frame."""
@@ -252,10 +273,7 @@ class Environment:
 
         A success only once the last frame of the episode has been computed.
         """
-        return self._batch.judge(to_array("instances", instances, np.int32, [[(-1, "K")]], per_instance=False))
-
-    def __repr__(self) -> str:
-        return f"<taxelsim.Environment of {self.num_instances} instances of {self._scene.name}>"
+        return self._judged(instances)
 
 
 def episode_keys(seeds: npt.ArrayLike, instances: npt.ArrayLike, num_resets: npt.ArrayLike) -> EpisodeArray:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .device_array import DeviceArray
 from . import _core
 from ._arguments import checked_positive
 from ._core import Scene, Sensor
@@ -182,6 +183,30 @@ class _Arrows:
         rows, columns = np.floor(points.reshape(-1, 1, 2) + self._brush).astype(np.intp).reshape(-1, 2).T
         inside = (rows >= 0) & (rows < picture.shape[0]) & (columns >= 0) & (columns < picture.shape[1])
         picture[rows[inside], columns[inside]] = _ARROW_COLOUR
+
+
+class SensorPictures:
+    """Draws all sensors of a scene side by side, in the order of the robot. range: see TactilePictures."""
+
+    def __init__(self, scene: Scene, range: float | None = None) -> None:
+        sensors = dict(scene.sensors) or {"": scene.sensor}
+        self._sensors = {name: (sensor, TactilePictures(sensor, range, noise_of(scene))) for name, sensor in sensors.items()}
+        self.draws_axes = any(sensor.readout.three_axis is not None for sensor in sensors.values())  #: needs Frame.taxel_counts.
+
+    def draw(self, frame: Any) -> list[NDArray[np.uint8]]:
+        """A picture (height, width, 3) of each instance. frame: EnvironmentFrame or GraspFrame of N instances."""
+        num_instances = len(frame.frame_numbers)
+        drawn = []
+        for name, (sensor, pictures) in self._sensors.items():
+            axes = (3,) if sensor.readout.three_axis is not None else ()
+            counts = (frame.sensors[name] if name else frame)["taxel_counts" if axes else "tactile_image"]
+            if isinstance(counts, DeviceArray):
+                counts = counts.copy()
+            images = pictures.draw(counts.reshape(-1, sensor.num_taxels, *axes))
+            drawn += list(images.reshape(num_instances, -1, *images.shape[1:]).swapaxes(0, 1))  # by sensor: (N, height, width, 3)
+        height = max(images.shape[1] for images in drawn)
+        padded = [np.pad(images, ((0, 0), (0, height - images.shape[1]), (0, 0), (0, 0))) for images in drawn]
+        return list(np.concatenate(padded, axis=2))
 
 
 def tactile_pictures(sensor: Sensor, images: NDArray[Any], range: float | None = None) -> NDArray[np.uint8]:

@@ -130,21 +130,13 @@ def evaluate(
 
     Ctrl-C raises Interrupted, a KeyboardInterrupt; its `partial` has the evaluations that are complete.
     """
-    loaded, names = loaded_scene(scene), as_names(controllers)
-    folder = None if save_failures is None else Path(save_failures)
-    calls = policy_calls(policy, loaded)
-    if folder is not None:
-        if calls is None:
-            raise InputError("save_failures: keeps failed episodes of a policy, and there is no policy")
-        check_failures(loaded, folder, max_failures)
+    names = as_names(controllers)
+    loaded, calls = _with_policy(scene, policy, save_failures, max_failures)
     opened = device or Device.open()
     complete: list[Evaluation] = []
     try:
         complete += _core.evaluate(opened, loaded, names, batch_size, num_slices, on_progress, policy_argument(calls), complete)
-        if folder is not None and calls is not None:
-            failed = failed_episodes(complete[0])[:max_failures]
-            if len(failed):
-                generate(loaded, folder, policy=calls.checked_policy(), episodes=failed, device=opened, batch_size=batch_size)
+        _keep_failures(complete, loaded, calls, save_failures, max_failures, opened, batch_size)
     except KeyboardInterrupt as interrupt:
         raise Interrupted(complete) from interrupt
     return complete
@@ -154,23 +146,60 @@ def evaluate_grasp(
     scene: ScenePath,
     gains: Sequence[float] = (),
     *,
+    policy: PolicyLike | None = None,
+    save_failures: str | os.PathLike[str] | None = None,
+    max_failures: int = 64,
     device: Device | None = None,
     batch_size: int = 256,
     on_progress: Callable[[Progress], object] | None = None,
 ) -> list[GraspEvaluation]:
-    """Plays the same episodes of a scene of kind grasp with each gain of its force control, and judges every finger by the scene's task.
+    """Plays the same episodes of a scene of kind grasp with a policy and with gains of its force control, and judges every finger.
 
     scene: a Scene, or the path of a scene file. InputError for a scene of another kind.
-    gains: 1/s, > 0 to the simulation rate of the scene; empty for the gain of the scene.
+    gains: 1/s, > 0 to the simulation rate of the scene; empty for the gain of the scene, or for none if there is a policy.
+    policy, save_failures, max_failures: as in evaluate(). The policy moves the joints instead of the law of the scene.
     device: default Device.open().
     batch_size: instances of the hand, >= 1. It does not change a verdict.
     on_progress: as in generate(); Progress.num_episodes counts the episodes of all gains.
 
     Submits, waits, and releases the GIL. Ctrl-C raises Interrupted, a KeyboardInterrupt; its `partial` has the gains that are complete.
     """
-    loaded = loaded_scene(scene)
+    loaded, calls = _with_policy(scene, policy, save_failures, max_failures)
+    numbers = [float(gain) for gain in gains]
+    opened = device or Device.open()
     complete: list[GraspEvaluation] = []
     try:
-        return _core.evaluate_grasp(device or Device.open(), loaded, [float(gain) for gain in gains], batch_size, on_progress, complete)
+        complete += _core.evaluate_grasp(opened, loaded, numbers, batch_size, on_progress, policy_argument(calls), complete)
+        _keep_failures(complete, loaded, calls, save_failures, max_failures, opened, batch_size)
     except KeyboardInterrupt as interrupt:
         raise Interrupted(complete) from interrupt
+    return complete
+
+
+def _with_policy(
+    scene: ScenePath, policy: PolicyLike | None, save_failures: str | os.PathLike[str] | None, max_failures: int
+) -> tuple[Scene, PolicyCalls | None]:
+    """The scene and the calls of the policy in it. Raises InputError if failures could not be kept."""
+    loaded = loaded_scene(scene)
+    calls = policy_calls(policy, loaded)
+    if save_failures is not None:
+        if calls is None:
+            raise InputError("save_failures: keeps failed episodes of a policy, and there is no policy")
+        check_failures(loaded, Path(save_failures), max_failures)
+    return loaded, calls
+
+
+def _keep_failures(
+    complete: Sequence[Evaluation] | Sequence[GraspEvaluation],
+    scene: Scene,
+    calls: PolicyCalls | None,
+    save_failures: str | os.PathLike[str] | None,
+    max_failures: int,
+    device: Device,
+    batch_size: int,
+) -> None:
+    if save_failures is None or calls is None:
+        return
+    failed = failed_episodes(complete[0])[:max_failures]
+    if len(failed):
+        generate(scene, save_failures, policy=calls.checked_policy(), episodes=failed, device=device, batch_size=batch_size)

@@ -23,12 +23,12 @@ class EnvArguments(TypedDict, total=False):
     normalized: bool
     history: int
     copy: bool
-    action: str
+    action: str | None
     actions: str | Sequence[str] | None
     linear_scale: float | None
     angular_scale: float | None
     reward: Reward | None
-    max_lost_time: float
+    max_lost_time: float | None
     render_mode: str | None
     range: float | None
     device: Device | str
@@ -42,7 +42,10 @@ class VectorEnvArguments(EnvArguments, total=False):
 
 
 def make_vec(scene: Scene | str | os.PathLike[str], num_envs: int = 1, **arguments: Unpack[VectorEnvArguments]) -> TactileVectorEnv:
-    """A vector environment of Gymnasium over a scene of kind servo with a task. arguments: of taxelsim.envs.TactileVectorEnv."""
+    """A vector environment of Gymnasium over a scene of kind servo with a task, or of kind grasp.
+
+    arguments: of taxelsim.envs.TactileVectorEnv.
+    """
     try:
         from .envs import TactileVectorEnv
     except ModuleNotFoundError as error:

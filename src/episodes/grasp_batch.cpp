@@ -32,16 +32,18 @@ double closingSpeed(double force, double target, double slope, double gain, doub
   return error > 0 ? 1 : error < 0 ? -1 : 0;
 }
 
-GraspBatch::GraspBatch(const Device& device, const Scene& scene, const OutputOptions& outputs, int num_instances)
+GraspBatch::GraspBatch(const Device& device, const Scene& scene, const OutputOptions& outputs, int num_instances, Joints joints)
     : scene_(scene),
       grasp_(*scene.grasp),
       dt_(1 / scene.simulation_rate),
       robots_(device, std::get<Manipulator>(scene.robot), grasp_.sensors, objectsOf(scene),
               {.num_instances = num_instances,
                .seed = scene.seed,
-               .outputs = controlOutputs(outputs, grasp_),
+               .outputs = joints == Joints::kByLaw ? controlOutputs(outputs, grasp_) : outputs,
                .max_regions = numRegions(scene)}) {
   const auto size = static_cast<std::size_t>(num_instances);
+  frames_.assign(size, -1);
+  episodes_.resize(size);
   X_WO_.resize(size * scene.objects.size());
   trajectories_.resize(X_WO_.size());
   target_forces_.resize(size * grasp_.fingers.size());
@@ -63,53 +65,75 @@ void GraspBatch::begin(std::uint64_t first, int count) {
 }
 
 void GraspBatch::begin(std::span<const std::uint64_t> episodes) {
-  frame_ = -1;
-  std::fill(touched_.begin(), touched_.end(), 0);
-  std::fill(nearest_.begin(), nearest_.end(), std::numeric_limits<double>::infinity());
   if (servo_) servo_->begin();
-  for (int i = 0; i < numInstances(); ++i) {
-    const auto instance = static_cast<std::size_t>(i);
-    const std::uint64_t episode = episodes[std::min(instance, episodes.size() - 1)];
-    robots_.reset(i, episode);
-    EpisodeRandom random(scene_.seed, episode);
-    const double factor = random.uniform(1 - grasp_.force_spread, 1 + grasp_.force_spread);
-    for (std::size_t k = 0; k < scene_.objects.size(); ++k) {
-      const Pose& X = scene_.objects[k].pose;
-      std::array<double, 3> offset{};
-      for (double& value : offset) value = random.uniform(-grasp_.offset, grasp_.offset);
-      const Quaternion yaw = axisAngle({0, 0, 1}, random.uniform(-grasp_.yaw, grasp_.yaw));
-      const std::size_t slot = instance * scene_.objects.size() + k;
-      X_WO_[slot] = {{X.position[0] + offset[0], X.position[1] + offset[1], X.position[2] + offset[2]}, yaw * X.rotation};
-      trajectories_[slot].reset();
-      const MotionKey key{.seed = scene_.seed, .episode = episode, .slot = static_cast<std::uint32_t>(k)};
-      if (const std::optional<Motion>& motion = scene_.objects[k].motion) trajectories_[slot].emplace(*motion, X_WO_[slot], key);
-    }
-    for (std::size_t f = 0; f < grasp_.fingers.size(); ++f) {
-      target_forces_[instance * grasp_.fingers.size() + f] = factor * grasp_.fingers[f].force;
-    }
+  for (int i = 0; i < numInstances(); ++i) start(i, episodes[std::min(static_cast<std::size_t>(i), episodes.size() - 1)]);
+}
+
+void GraspBatch::start(int i, std::uint64_t episode) {
+  const auto instance = static_cast<std::size_t>(i);
+  const std::size_t num_fingers = grasp_.fingers.size();
+  frames_[instance] = -1;
+  episodes_[instance] = episode;
+  robots_.reset(i, episode);
+  EpisodeRandom random(scene_.seed, episode);
+  const double factor = random.uniform(1 - grasp_.force_spread, 1 + grasp_.force_spread);
+  for (std::size_t k = 0; k < scene_.objects.size(); ++k) {
+    const Pose& X = scene_.objects[k].pose;
+    std::array<double, 3> offset{};
+    for (double& value : offset) value = random.uniform(-grasp_.offset, grasp_.offset);
+    const Quaternion yaw = axisAngle({0, 0, 1}, random.uniform(-grasp_.yaw, grasp_.yaw));
+    const std::size_t slot = instance * scene_.objects.size() + k;
+    X_WO_[slot] = {{X.position[0] + offset[0], X.position[1] + offset[1], X.position[2] + offset[2]}, yaw * X.rotation};
+    trajectories_[slot].reset();
+    const MotionKey key{.seed = scene_.seed, .episode = episode, .slot = static_cast<std::uint32_t>(k)};
+    if (const std::optional<Motion>& motion = scene_.objects[k].motion) trajectories_[slot].emplace(*motion, X_WO_[slot], key);
+  }
+  for (std::size_t f = instance * num_fingers; f < (instance + 1) * num_fingers; ++f) {
+    target_forces_[f] = factor * grasp_.fingers[f % num_fingers].force;
+    touched_[f] = 0;
+    nearest_[f] = std::numeric_limits<double>::infinity();
   }
 }
 
 void GraspBatch::step() {
-  if (frame_ >= 0) command();
-  ++frame_;
-  for (std::size_t slot = 0; slot < X_WO_.size(); ++slot) {
-    if (trajectories_[slot]) X_WO_[slot] = trajectories_[slot]->at(time());
+  if (frames_.front() >= 0) command();
+  computeFrame({});
+}
+
+void GraspBatch::step(std::span<const double> velocities) {
+  robots_.robots().command(no_twists_, velocities, by_joints_, dt_);
+  computeFrame({});
+}
+
+void GraspBatch::firstFrames(std::span<const std::uint8_t> instances) {
+  computeFrame(instances);
+}
+
+void GraspBatch::computeFrame(std::span<const std::uint8_t> instances) {
+  const std::size_t num_objects = scene_.objects.size();
+  for (int i = 0; i < numInstances(); ++i) {
+    const auto instance = static_cast<std::size_t>(i);
+    if (!instances.empty() && !instances[instance]) continue;
+    ++frames_[instance];
+    for (std::size_t slot = instance * num_objects; slot < (instance + 1) * num_objects; ++slot) {
+      if (trajectories_[slot]) X_WO_[slot] = trajectories_[slot]->at(time(i));
+    }
   }
-  robots_.step(dt_, X_WO_);
-  noteContacts();
+  robots_.step(dt_, X_WO_, instances);
+  noteContacts(instances);
 }
 
 // Distances in some frames suffice for a message.
-void GraspBatch::noteContacts() {
-  constexpr std::int64_t kPeriod = 16;
+void GraspBatch::noteContacts(std::span<const std::uint8_t> instances) {
+  constexpr int kPeriod = 16;
   const auto num_sensors = static_cast<std::size_t>(robots_.numSensors());
   const std::size_t num_fingers = grasp_.fingers.size(), num_objects = scene_.objects.size();
   for (std::size_t k = 0; k < touched_.size(); ++k) {
     const std::size_t instance = k / num_fingers, finger = k % num_fingers;
+    if (!instances.empty() && !instances[instance]) continue;
     const int sensor = grasp_.fingers[finger].sensor;
     touched_[k] |= robots_.frame(sensor).ground_truth.total_force[robots_.row(sensor, static_cast<int>(instance))] > 0;
-    if (touched_[k] || frame_ % kPeriod != 0) continue;
+    if (touched_[k] || frames_[instance] % kPeriod != 0) continue;
     const Pose X_SW = inverse(robots_.robots().X_WS()[instance * num_sensors + static_cast<std::size_t>(sensor)]);
     for (std::size_t object = 0; object < num_objects; ++object)
       nearest_[k] = std::min(nearest_[k], clearances_[finger].of(object, X_SW * X_WO_[instance * num_objects + object]));

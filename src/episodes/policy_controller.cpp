@@ -27,11 +27,17 @@ void checkPolicy(const Policy& policy, const Scene& scene) {
   if (std::any_of(scene.controllers.begin(), scene.controllers.end(), has_name)) {
     refuse(policy, "a controller of the scene has the same name");
   }
-  if (scene.kind != Scene::Kind::kServo) refuse(policy, "the scene has kind " + wordOf(scene.kind) + ", a policy needs servo");
+  if (scene.kind != Scene::Kind::kServo && scene.kind != Scene::Kind::kGrasp) {
+    refuse(policy, "the scene has kind " + wordOf(scene.kind) + ", a policy needs servo or grasp");
+  }
   if (policy.max_regions != 0 && !hasContactFeatures(policy.outputs)) {
     refuse(policy, "max_regions: " + std::to_string(policy.max_regions) + " is not allowed: 0 without contact features");
   }
-  if (!policy.act == !policy.act_joints) refuse(policy, "exactly one of act and act_joints must be set");
+  if (scene.grasp) {
+    if (!policy.act_grasp || policy.act || policy.act_joints) refuse(policy, "act_grasp alone must be set in a scene of kind grasp");
+    return;
+  }
+  if (!policy.act == !policy.act_joints || policy.act_grasp) refuse(policy, "exactly one of act and act_joints must be set");
   if (policy.act_joints && numJoints(scene) == 0) refuse(policy, "act_joints is set, but the robot of the scene has no joints");
 }
 

@@ -19,10 +19,12 @@ SensedRobots::SensedRobots(const Device& device, const Manipulator& robot, std::
       members.push_back(static_cast<int>(s));
     }
     const std::size_t num_rows = static_cast<std::size_t>(options.num_instances) * members.size();
+    OutputOptions outputs = options.outputs;
+    outputs.taxel_counts = outputs.taxel_counts && sensors[first].sensor.readout.three_axis;
     Simulator simulator(Model(device, {.sensor = sensors[first].sensor, .objects = objects}), {.num_instances = static_cast<int>(num_rows),
                                                                                                .num_slots = static_cast<int>(num_objects_),
                                                                                                .seed = options.seed,
-                                                                                               .outputs = options.outputs,
+                                                                                               .outputs = outputs,
                                                                                                .max_regions = options.max_regions});
     groups_.push_back({std::move(members), std::move(simulator), std::vector<Pose>(num_rows * num_objects_)});
     if (ids_.size() < num_rows * num_objects_) ids_.resize(num_rows * num_objects_);
@@ -39,7 +41,7 @@ void SensedRobots::reset(int instance, std::uint64_t episode) {
   }
 }
 
-void SensedRobots::step(double dt, std::span<const Pose> X_WO) {
+void SensedRobots::step(double dt, std::span<const Pose> X_WO, std::span<const std::uint8_t> instances) {
   const std::span<const Pose> X_WS = robots_.X_WS();
   for (int i = 0; i < numInstances(); ++i) {
     for (int s = 0; s < numSensors(); ++s) {
@@ -50,7 +52,13 @@ void SensedRobots::step(double dt, std::span<const Pose> X_WO) {
   }
   for (Group& group : groups_) {
     group.simulator.setObjects(std::span(ids_).first(group.X_SO.size()), group.X_SO);
-    group.simulator.step(dt);
+    if (instances.empty()) {
+      group.simulator.step(dt);
+      continue;
+    }
+    rows_.clear();
+    for (const std::uint8_t computed : instances) rows_.insert(rows_.end(), group.sensors.size(), computed);
+    group.simulator.step(dt, rows_);
   }
   for (Group& group : groups_) group.frame = group.simulator.read();
 }

@@ -38,7 +38,9 @@ class SensedRobots {
   void reset(int instance, std::uint64_t episode);
 
   // Computes the frame of all sensors. X_WO (num_instances x num_objects). Submits and waits.
-  void step(double dt, std::span<const Pose> X_WO);
+  //
+  // `instances` (num_instances): not 0 for the instances that have been reset and are computed, while all others hold; empty: all.
+  void step(double dt, std::span<const Pose> X_WO, std::span<const std::uint8_t> instances = {});
 
   // Frame of the group that has the sensor, and the row of the sensor in it. Valid until the next step().
   const FrameView& frame(int sensor) const { return groups_[places_[static_cast<std::size_t>(sensor)].group].frame; }
@@ -62,8 +64,9 @@ class SensedRobots {
   Robots robots_;
   std::size_t num_objects_;
   std::vector<Group> groups_;
-  std::vector<Place> places_;  // (num_sensors)
-  std::vector<int> ids_;       // objects of all slots of the largest group
+  std::vector<Place> places_;       // (num_sensors)
+  std::vector<int> ids_;            // objects of all slots of the largest group
+  std::vector<std::uint8_t> rows_;  // rows of a group that are computed
 };
 
 }  // namespace taxelsim

@@ -8,7 +8,9 @@
 #include "episodes/batch.h"
 #include "episodes/contact_misses.h"
 #include "episodes/grasp_batch.h"
-#include "evaluation/grasp_judge.h"
+#include "episodes/grasp_judge.h"
+#include "episodes/grasp_player.h"
+#include "episodes/policy_controller.h"
 #include "evaluation/play.h"
 #include "evaluation/scores.h"
 #include "scene/scene_checks.h"
@@ -34,19 +36,9 @@ struct Count {
   }
 };
 
-std::vector<GraspJudge::Touch> touchesOf(const GraspBatch& batch, const Grasp& grasp, int instance) {
-  std::vector<GraspJudge::Touch> touches;
-  for (const GraspFinger& finger : grasp.fingers) {
-    const GroundTruthView& truth = batch.robots().frame(finger.sensor).ground_truth;
-    const std::size_t row = batch.robots().row(finger.sensor, instance);
-    touches.push_back(
-        {.force = truth.total_force[row], .center = {truth.center_of_pressure[3 * row], truth.center_of_pressure[3 * row + 1]}});
-  }
-  return touches;
-}
-
 // Plays the episodes first, ..., first + count - 1. Fewer verdicts than episodes after a stop.
-std::vector<GraspVerdict> playBatch(GraspBatch& batch, const Scene& scene, std::uint64_t first, int count, Count& tally) {
+std::vector<GraspVerdict> playBatch(GraspBatch& batch, GraspPlayer& player, const Scene& scene, std::uint64_t first, int count,
+                                    Count& tally) {
   const std::size_t num_fingers = scene.grasp->fingers.size();
   batch.begin(first, count);
   std::vector<GraspJudge> judges;
@@ -56,13 +48,34 @@ std::vector<GraspVerdict> playBatch(GraspBatch& batch, const Scene& scene, std::
   }
   for (int frame = 0; frame < scene.num_steps; ++frame) {
     if (tally.isStopped()) return {};
-    batch.step();
+    player.step(batch, count);
     for (int i = 0; i < count; ++i) judges[static_cast<std::size_t>(i)].frame(touchesOf(batch, *scene.grasp, i));
     tally.add(static_cast<std::uint64_t>(count), frame + 1 == scene.num_steps ? static_cast<std::uint64_t>(count) : 0);
   }
   std::vector<GraspVerdict> verdicts;
   for (const GraspJudge& judge : judges) verdicts.push_back(judge.verdict());
   return verdicts;
+}
+
+// Plays all episodes with the gain of the scene, or with the policy. None after a stop.
+std::optional<GraspEvaluation> played(const Device& device, const Scene& scene, const std::optional<Policy>& policy,
+                                      const EpisodeRange& episodes, int batch_size, Count& tally) {
+  const int size = static_cast<int>(std::min<std::uint64_t>(static_cast<std::uint64_t>(batch_size), episodes.size()));
+  GraspPlayer player(scene, policy);
+  GraspBatch batch(device, scene, player.outputs(kNoOutputs), size, player.joints());
+  std::vector<GraspVerdict> verdicts;
+  std::vector<ContactMisses> misses(scene.grasp->fingers.size());
+  while (verdicts.size() < episodes.size()) {
+    const std::uint64_t left = episodes.size() - verdicts.size();
+    const int count = static_cast<int>(std::min<std::uint64_t>(static_cast<std::uint64_t>(size), left));
+    std::vector<GraspVerdict> more = playBatch(batch, player, scene, episodes.first + verdicts.size(), count, tally);
+    if (more.empty()) return {};
+    batch.addMisses(count, misses);
+    std::move(more.begin(), more.end(), std::back_inserter(verdicts));
+  }
+  GraspEvaluation evaluation = graspEvaluationOf(scene, policy ? 0 : scene.grasp->gain, std::move(verdicts), std::move(misses));
+  if (policy) evaluation.policy = policy->name;
+  return evaluation;
 }
 
 // NaN if a value is NaN: the largest of an episode is unknown then.
@@ -116,6 +129,7 @@ void checkGrasp(const Scene& scene, const std::vector<double>& gains, const Gras
   if (!scene.grasp) throw Error(ErrorKind::kInput, scene.file.generic_string() + ": not a scene of kind grasp");
   checkBelow("task", [&] { checkGraspTask(scene.grasp->task, scene.num_steps / scene.simulation_rate); });
   checkEpisodesOfEvaluation(scene.num_episodes);
+  if (options.policy) checkPolicy(*options.policy, scene);
   for (const double gain : gains) checkNumber("gain", gain, Allowed::aboveUpTo(0, scene.simulation_rate, "1/s"));
 }
 
@@ -123,7 +137,8 @@ void checkGrasp(const Scene& scene, const std::vector<double>& gains, const Gras
 
 GraspEvaluation graspEvaluationOf(const Scene& scene, double gain, std::vector<GraspVerdict> verdicts, std::vector<ContactMisses> misses) {
   const Grasp& grasp = *scene.grasp;
-  GraspEvaluation evaluation{.gain = gain, .verdicts = std::move(verdicts), .total = {}, .fingers = {}, .misses = std::move(misses)};
+  GraspEvaluation evaluation{
+      .gain = gain, .policy = {}, .verdicts = std::move(verdicts), .total = {}, .fingers = {}, .misses = std::move(misses)};
   std::vector<FingerVerdict> worst;
   for (const GraspVerdict& verdict : evaluation.verdicts) worst.push_back(worstOf(verdict));
   evaluation.total = scoreOf("all fingers", worst);
@@ -138,30 +153,25 @@ GraspEvaluation graspEvaluationOf(const Scene& scene, double gain, std::vector<G
 std::vector<GraspEvaluation> evaluateGrasp(const Device& device, const Scene& scene, const std::vector<double>& gains,
                                            const GraspEvaluateOptions& options) {
   checkGrasp(scene, gains, options);
-  const std::vector<double> all = gains.empty() ? std::vector<double>{scene.grasp->gain} : gains;
+  std::vector<double> all = gains;
+  if (gains.empty() && !options.policy) all = {scene.grasp->gain};
   const EpisodeRange episodes = chosenEpisodes(scene, options.episodes);
+  const std::size_t num_evaluations = all.size() + (options.policy ? 1 : 0);
   Count tally{.options = options};
-  tally.progress.num_episodes = episodes.size() * all.size();
+  tally.progress.num_episodes = episodes.size() * num_evaluations;
   tally.progress.num_frames = tally.progress.num_episodes * static_cast<std::uint64_t>(scene.num_steps);
   std::vector<GraspEvaluation> evaluations;
   std::vector<ContactMisses> all_misses(scene.grasp->fingers.size());  // over all gains
-  for (const double gain : all) {
-    Scene played = scene;
-    played.grasp->gain = gain;
-    const int size = static_cast<int>(std::min<std::uint64_t>(static_cast<std::uint64_t>(options.batch_size), episodes.size()));
-    GraspBatch batch(device, played, kNoOutputs, size);
-    std::vector<GraspVerdict> verdicts;
-    std::vector<ContactMisses> misses(all_misses.size());
-    while (verdicts.size() < episodes.size()) {
-      const std::uint64_t left = episodes.size() - verdicts.size();
-      const int count = static_cast<int>(std::min<std::uint64_t>(static_cast<std::uint64_t>(size), left));
-      std::vector<GraspVerdict> more = playBatch(batch, played, episodes.first + verdicts.size(), count, tally);
-      if (more.empty()) return evaluations;
-      batch.addMisses(count, misses);
-      std::move(more.begin(), more.end(), std::back_inserter(verdicts));
-    }
-    for (std::size_t f = 0; f < misses.size(); ++f) add(all_misses[f], misses[f]);
-    evaluations.push_back(graspEvaluationOf(scene, gain, std::move(verdicts), std::move(misses)));
+  // The policy is the first, so that its exceptions lose no complete evaluation.
+  while (evaluations.size() < num_evaluations) {
+    const bool by_policy = options.policy && evaluations.empty();
+    Scene copy = scene;
+    if (!by_policy) copy.grasp->gain = all[evaluations.size() - (options.policy ? 1 : 0)];
+    std::optional<GraspEvaluation> evaluation =
+        played(device, copy, by_policy ? options.policy : std::nullopt, episodes, options.batch_size, tally);
+    if (!evaluation) return evaluations;
+    for (std::size_t f = 0; f < all_misses.size() && !by_policy; ++f) add(all_misses[f], evaluation->misses[f]);
+    evaluations.push_back(*std::move(evaluation));
     if (options.on_evaluation) options.on_evaluation(evaluations.back());
   }
   if (!options.episodes) warnOfContactMisses(scene, all_misses);

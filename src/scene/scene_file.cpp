@@ -246,11 +246,6 @@ void readGraspScene(const YamlMap& map, const std::filesystem::path& directory, 
   for (const RobotSensor& sensor : grasp.sensors) max_depth_error = std::min(max_depth_error, maxDepthErrorOf(sensor.sensor.skin));
   scene.objects = readObjects(map, directory, max_depth_error, ObjectUse::kPlaced);
   readEpisode(map, scene);
-  if (scene.control_rate != scene.simulation_rate) {
-    map.require("episode", "")
-        .fail("control_rate " + canonicalNumber(scene.control_rate) +
-              " Hz is not allowed: a hand moves in every frame, at the simulation_rate");
-  }
   for (const RobotSensor& sensor : grasp.sensors) checkDelay(map.require("robot", ""), sensor.sensor, scene);
   readGrasp(map, *robot, scene.simulation_rate, scene.num_steps, grasp);
   scene.record = readRecord(map, scene.kind);

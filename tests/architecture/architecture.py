@@ -54,6 +54,7 @@ HEADERS = {
     "model.h": "simulation",
     "simulator.h": "simulation",
     "environment.h": "episodes",
+    "grasp_environment.h": "episodes",
     "policy.h": "episodes",
     "grasp.h": "scene",
     "generate.h": "generation",

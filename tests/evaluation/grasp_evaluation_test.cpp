@@ -2,7 +2,7 @@
 #include "taxelsim/grasp_evaluation.h"
 
 #include "episodes/grasp_batch.h"
-#include "evaluation/grasp_judge.h"
+#include "episodes/grasp_judge.h"
 #include "support/input_error.h"
 #include "support/test.h"
 #include "taxelsim/error.h"

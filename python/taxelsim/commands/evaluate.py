@@ -7,7 +7,6 @@ import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -20,7 +19,9 @@ from ..policies.observations import OBSERVATIONS
 from ..policies.policy import Policy, as_policy
 from ..policies.statistics import Comparison, compare
 from ..runs import Interrupted, evaluate
+from . import evaluate_grasp
 from .evaluate_parts import add_part_arguments, chosen_episodes, part_file, part_files
+from .evaluation_table import plain, quantiles_text, rate_text, table_text
 from .running import run_command
 
 # Display units of TASK_MEASURES: name, and how many are one SI unit.
@@ -30,11 +31,12 @@ _UNITS = {"edge_angle": ("deg", 180 / np.pi), "total_force": ("N", 1.0), "center
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the arguments of the subcommand."""
     add = parser.add_argument
-    add("scene", metavar="SCENE", help="scene file of kind servo with a task")
+    add("scene", metavar="SCENE", help="scene file of kind servo with a task, or of kind grasp")
     add("--policy", required=True, metavar="FILE", help="ONNX file: observations in, actions in [-1, 1] out")
     add("--controller", action="append", default=[], metavar="NAME", help="controller of the scene to compare with; repeatable")
+    add("--gain", action="append", default=[], type=float, metavar="GAIN", help="of kind grasp, 1/s: gain to compare with; repeatable")
     add("--observations", type=_names, metavar="NAMES", help=f"out of {', '.join(OBSERVATIONS)}, separated by commas; default: contact")
-    add("--action", choices=COMMANDS, help="what the policy commands, default twist")
+    add("--action", choices=COMMANDS, help="what the policy commands, default twist; of kind grasp joint_velocities")
     add("--actions", type=_names, metavar="NAMES", help="components of the twist, as v_x,v_y,w_z, or names of joints; default: all")
     add("--history", type=int, metavar="N", help="latest frames that the policy sees, default 1")
     add("--normalized", action="store_const", const=True, help="divide observations by their scales")
@@ -74,6 +76,10 @@ def _run(options: argparse.Namespace) -> int:
         image_unit=options.image_unit,
     )
     scene = load_scene(options.scene, num_episodes=options.episodes, seed=options.seed, condition=options.condition)
+    if scene.kind == Scene.Kind.GRASP:
+        return evaluate_grasp.run(options, scene, policy, _show_progress if sys.stderr.isatty() else None)
+    if options.gain:
+        raise InputError("--gain: is for scenes of kind grasp: the controllers of this scene have their gains")
     unknown = [name for name in options.controller if name not in scene.controllers]
     if unknown:
         raise InputError(f"--controller {unknown[0]}: not in this scene; it has {', '.join(scene.controllers)}")
@@ -158,26 +164,18 @@ def _table(scene: Scene, evaluations: Sequence[Evaluation], comparisons: Sequenc
     for evaluation in evaluations:
         scores = [evaluation.total, *(evaluation.by_object if len(evaluation.by_object) > 1 else [])]
         rows += [_row(evaluation.controller if k == 0 else "", score, measures) for k, score in enumerate(scores)]
-    widths = [max(len(row[c]) for row in rows) for c in range(len(rows[0]))]
-    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
     head = f"{scene.name}: columns show median / 95th percentile over episodes"
-    return "\n".join([head, "", *lines, *([""] if comparisons else []), *map(str, comparisons)])
+    return "\n".join([head, "", table_text(rows), *([""] if comparisons else []), *map(str, comparisons)])
 
 
 def _row(name: str, score: Score, measures: Sequence[str]) -> list[str]:
-    def quantiles(values: Any, per_si: float) -> str:
-        return "-" if np.isnan(values.median) else f"{values.median * per_si:.3g} / {values.p95 * per_si:.3g}"
-
-    success = f"{100 * score.success_rate:.2f} % ({100 * score.success_low:.2f} to {100 * score.success_high:.2f})"
-    cells = [name, score.name, f"{score.num_episodes:,}", success, quantiles(score.settling_time, 1)]
-    cells += [quantiles(score.steady_error[TASK_MEASURES.index(m)], _UNITS[m][1]) for m in measures]
-    return [*cells, quantiles(score.peak_force, 1), f"{score.num_lost:,}"]
+    success = rate_text(score.success_rate, score.success_low, score.success_high)
+    cells = [name, score.name, f"{score.num_episodes:,}", success, quantiles_text(score.settling_time)]
+    cells += [quantiles_text(score.steady_error[TASK_MEASURES.index(m)], _UNITS[m][1]) for m in measures]
+    return [*cells, quantiles_text(score.peak_force), f"{score.num_lost:,}"]
 
 
 def _json(scene: Scene, evaluations: Sequence[Evaluation], comparisons: Sequence[Comparison]) -> str:
-    def plain(values: Any) -> list[Any]:
-        return [None if isinstance(v, float) and not np.isfinite(v) else v for v in values.tolist()]
-
     entries = []
     for evaluation in evaluations:
         total, verdicts = evaluation.total, evaluation.verdicts

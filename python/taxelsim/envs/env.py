@@ -72,4 +72,4 @@ def _single(observation: Any) -> Any:
 
 def _single_info(infos: dict[str, Any]) -> dict[str, Any]:
     values = {name: rows[0] for name, rows in infos.items() if not name.startswith("_")}
-    return {name: value if isinstance(value, np.uint64) else value.item() for name, value in values.items()}
+    return {name: value if np.ndim(value) or isinstance(value, np.uint64) else value.item() for name, value in values.items()}

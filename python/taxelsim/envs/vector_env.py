@@ -1,4 +1,4 @@
-"""Vector environment of a scene of kind servo with a task."""
+"""Vector environment of a scene of kind servo with a task, or of kind grasp."""
 
 from __future__ import annotations
 
@@ -13,15 +13,17 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from .. import _core
-from .._core import TASK_MEASURES, Device, Scene
-from ..device_array import DeviceArray, platform_of
-from ..environment import Environment, Task, TaskState
+from .._core import Device, OutputOptions, Scene
+from ..device_array import platform_of
+from ..environment import Environment
 from ..errors import InputError
-from ..pictures import TactilePictures, noise_of
+from ..grasps import GraspEnvironment
+from ..pictures import SensorPictures
 from ..policies.actions import ActionMap
 from ..policies.observations import Bounds, ObservationBuilder, outputs_of
 from ..policies.values import TorchValues
 from .episodic import EpisodicVectorEnv, Mask
+from .judged import judged_task
 from .rewards import Reward
 
 
@@ -31,13 +33,15 @@ class TactileVectorEnv(EpisodicVectorEnv):
     An episode starts as the scene draws it: object, pose, load, variation of the sensor. It is truncated after the frames of the scene,
     and terminated if contact stays lost for longer than `max_lost_time`.
 
-    scene: file name, or a Scene. It must have a task.
+    scene: file name, or a Scene of kind servo with a task, or of kind grasp. Fingers and arm of a hand then follow the actions alone.
     observations, image_unit, normalized, history, copy: see ObservationBuilder. A name gives an array, a sequence of names a dict.
-    action: "twist" of the sensor, or "joint_velocities" of a robot with joints.
+    action: "twist" of the sensor, or "joint_velocities" or "joint_positions" of a robot with joints. Default: "twist", of a hand
+        "joint_velocities".
     actions: components that have an action, out of ACTIONS or the names of the joints; default: all. Action 1 is `linear_scale` m/s or
-        `angular_scale` rad/s; default: the limits of the scene's first controller, or the velocity limit of each joint.
+        `angular_scale` rad/s; default: the limits of the scene's first controller, or the velocity limit of each joint. Positions range
+        over the limits of each joint.
     reward: see Reward.
-    max_lost_time: s, >= 0.
+    max_lost_time: s, >= 0; default 0.25, of a hand infinite.
     render_mode: None, or "rgb_array": render() returns a picture of every tactile image, of three-axis taxels with arrows for the shear.
     range: counts of the brightest colour of these pictures; default: the largest so far, beyond noise.
     device: an open Device, or the argument of Device.open().
@@ -46,7 +50,8 @@ class TactileVectorEnv(EpisodicVectorEnv):
         "torch"; counts and newtons of observations are computed there, and no image visits the host.
 
     Infos, from ground truth: `episode_key`, `success` (only at the end of an episode), `contact`, `num_losses`, `peak_force` (N),
-    `load_reached`, and for each criterion of the task `<measure>_error` (rad, N or m; infinite without contact).
+    `load_reached`, and for each criterion of the task `<measure>_error` (rad, N or m; infinite without contact). Of a hand by finger:
+    `contact`, `num_losses`, `peak_force`, `force` and `force_error` (N).
     """
 
     def __init__(
@@ -59,12 +64,12 @@ class TactileVectorEnv(EpisodicVectorEnv):
         normalized: bool = False,
         history: int = 1,
         copy: bool = True,
-        action: str = "twist",
+        action: str | None = None,
         actions: str | Sequence[str] | None = None,
         linear_scale: float | None = None,
         angular_scale: float | None = None,
         reward: Reward | None = None,
-        max_lost_time: float = 0.25,
+        max_lost_time: float | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.SAME_STEP,
         render_mode: str | None = None,
         range: float | None = None,
@@ -73,17 +78,17 @@ class TactileVectorEnv(EpisodicVectorEnv):
         memory: str = "host",
     ) -> None:
         super().__init__(num_envs, autoreset_mode, render_mode, backend)
-        if not (np.isfinite(max_lost_time) and max_lost_time >= 0):
+        if max_lost_time is not None and not (np.isfinite(max_lost_time) and max_lost_time >= 0):
             raise InputError(f"max_lost_time: {max_lost_time} is not allowed: a finite number of at least 0 (s)")
         self.scene = scene if isinstance(scene, Scene) else _core.load_scene(os.fspath(scene))
-        self._task = Task.of(self.scene)
+        self._task = judged_task(self.scene, self.num_envs)
         opened = device if isinstance(device, Device) else Device.open(device)
         images = self._images = self._images_in(memory, opened)
-        outputs = outputs_of(observations, self.scene.sensor)
-        self._draws_axes = render_mode is not None and self.scene.sensor.readout.three_axis is not None
-        if self._draws_axes:
+        self._pictures = SensorPictures(self.scene, range) if render_mode is not None else None
+        outputs = outputs_of(observations, self.scene)
+        if self._pictures is not None and self._pictures.draws_axes:
             outputs = outputs.replace(taxel_counts=True)
-        self._environment: Environment | None = Environment(opened, self.scene, self.num_envs, outputs=outputs, memory=memory)
+        self._environment: Environment | GraspEnvironment | None = _open(opened, self.scene, self.num_envs, outputs, memory)
         self._period, self._num_frames = self._environment.control_period, self._environment.num_frames
         self.step_time = self._period * self._environment.dt
         self.max_episode_steps = -(-(self._num_frames - 1) // self._period)  #: steps of an episode that is not terminated
@@ -93,12 +98,9 @@ class TactileVectorEnv(EpisodicVectorEnv):
         )
         self._actions = ActionMap(self.scene, action, actions, linear_scale, angular_scale)
         self._reward = reward or Reward()
-        self._tolerances = np.array([self._task.tolerances.get(name, np.nan) for name in TASK_MEASURES])
-        self._max_lost_steps = round(max_lost_time / self.step_time)
+        lost_time = self._task.max_lost_time if max_lost_time is None else max_lost_time
+        self._max_lost_steps = np.rint(lost_time / self.step_time)
         self._lost_steps = np.zeros(num_envs, np.int64)
-        self._advanced = np.zeros(num_envs, np.float32)
-        self._layout = layout
-        self._pictures = TactilePictures(self.scene.sensor, range, noise_of(self.scene))
         self.single_observation_space = _space(self._builder.bounds())
         self.num_actions = len(self._actions.names)
         self.single_action_space = spaces.Box(-1, 1, (self.num_actions,), np.float32)
@@ -119,7 +121,7 @@ class TactileVectorEnv(EpisodicVectorEnv):
         return actions if self._images is None or not hasattr(actions, "cpu") else actions.cpu()
 
     @property
-    def _batch(self) -> Environment:
+    def _batch(self) -> Environment | GraspEnvironment:
         if self._environment is None:
             raise RuntimeError("this environment is closed")
         return self._environment
@@ -130,16 +132,17 @@ class TactileVectorEnv(EpisodicVectorEnv):
         self._success = np.zeros(self.num_envs, np.bool_)
         self._builder.update(self._frame, started=mask, rows=mask)
         self._lost_steps[mask] = 0
-        self._advanced[mask] = 0
+        self._task.restart(mask)
 
     def _advance(self, actions: NDArray[Any], running: Mask) -> tuple[NDArray[np.float64], Mask, Mask]:
         num_left = self._num_frames - 1 - self._frame.frame_numbers
         ending = running & (num_left <= self._period)
-        forces = self._step(self._actions.commands(actions), ending)
+        forces = self._step(self._actions.commands(actions, self._frame.joint_positions), ending)
         state = self._state
-        contact = state.contact.astype(np.bool_)
-        self._lost_steps = np.where(contact, 0, self._lost_steps + 1)
-        rewards = self._reward(state.errors, self._tolerances, self._progress(state), contact, forces)
+        is_lost = self._task.is_lost(state)
+        self._lost_steps = np.where(is_lost, self._lost_steps + 1, 0)
+        progress = self._task.progress(state, self.max_episode_steps)
+        rewards = self._reward(self._task.errors(self._frame, state), self._task.tolerances, progress, ~is_lost, forces)
         self._success = self._judged(ending)
         return rewards, running & (self._lost_steps > self._max_lost_steps), ending
 
@@ -169,52 +172,33 @@ class TactileVectorEnv(EpisodicVectorEnv):
         return success
 
     def _forces(self) -> NDArray[np.float64]:
-        forces = self._frame.ground_truth.total_force
-        return (forces if forces.ndim == 1 else forces[:, 0]).astype(np.float64)
-
-    def _progress(self, state: TaskState) -> NDArray[np.float64]:
-        """(num_envs): advance since the preceding step over the one that completes the task in time; 1 without such a demand."""
-        required = self._task.laps or self._task.travel
-        if not required:
-            return np.ones(self.num_envs)
-        advanced = (state.laps if self._task.laps else state.travel).copy()
-        progress: NDArray[np.float64] = (advanced - self._advanced).astype(np.float64) * (self.max_episode_steps / required)
-        self._advanced = advanced
-        return progress
+        return self._task.forces(self._frame, self._state)
 
     def _observe(self) -> Any:
         return self._builder.observation()
 
     def _info(self) -> dict[str, NDArray[Any]]:
-        state = self._state
-        info: dict[str, NDArray[Any]] = {
-            "episode_key": self._keys.copy(),
-            "success": self._success.copy(),
-            "contact": state.contact.astype(np.bool_),
-            "num_losses": state.num_losses.copy(),
-            "peak_force": state.peak_force.copy(),
-            "load_reached": self._frame.load_reached.astype(np.bool_),
-        }
-        for name in self._task.tolerances:
-            info[f"{name}_error"] = state.errors[:, TASK_MEASURES.index(name)].copy()
-        return info
+        info: dict[str, NDArray[Any]] = {"episode_key": self._keys.copy(), "success": self._success.copy()}
+        return {**info, **self._task.info(self._frame, self._state)}
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:
         """Picture (height, width, 3) of the tactile image of each environment; None without `render_mode`, and before the first reset()."""
         self._check_usable()
-        if self.render_mode is None or self._ended is None:
+        if self._pictures is None or self._ended is None:
             return None
-        num_sensors, num_taxels = self._layout.num_sensors, self._layout.sensor.num_taxels
-        counts = self._frame.taxel_counts if self._draws_axes else self._frame.tactile_image
-        axes = (3,) if self._draws_axes else ()
-        if isinstance(counts, DeviceArray):
-            counts = counts.copy()
-        drawn = self._pictures.draw(counts.reshape(self.num_envs * num_sensors, num_taxels, *axes))
-        return tuple(np.concatenate(group, axis=1) for group in drawn.reshape(self.num_envs, num_sensors, *drawn.shape[1:]))
+        return tuple(self._pictures.draw(self._frame))
 
     def close_extras(self, **kwargs: Any) -> None:
         """Releases the device memory, once no live array is left."""
         self._environment = None
+
+
+def _open(device: Device, scene: Scene, num_envs: int, outputs: OutputOptions, memory: str) -> Environment | GraspEnvironment:
+    if scene.kind != Scene.Kind.GRASP:
+        return Environment(device, scene, num_envs, outputs=outputs, memory=memory)
+    if platform_of(memory, device) is not None:
+        raise InputError(f"memory: {memory!r} is not allowed for a scene of kind grasp: 'host'")
+    return GraspEnvironment(device, scene, num_envs, outputs=outputs)
 
 
 def _space(bounds: Bounds | dict[str, Bounds]) -> spaces.Space[Any]:

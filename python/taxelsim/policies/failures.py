@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core import Evaluation, Scene
+from .._core import Evaluation, GraspEvaluation, Scene
 from ..errors import InputError
 
 
@@ -21,7 +21,7 @@ def check_failures(scene: Scene, folder: Path, max_failures: int) -> None:
         raise InputError(f"{folder}: failed episodes need a new or an empty directory")
 
 
-def failed_episodes(evaluation: Evaluation) -> NDArray[np.uint64]:
+def failed_episodes(evaluation: Evaluation | GraspEvaluation) -> NDArray[np.uint64]:
     """Numbers of the failed episodes, in their order."""
     verdicts = evaluation.verdicts
     failed: NDArray[np.uint64] = verdicts["episode"][~verdicts["success"]]

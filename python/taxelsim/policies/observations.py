@@ -6,13 +6,21 @@
 | `tactile_image` | (rows, cols) of one patch, else (taxels) | counts, int32; or newtons by the nominal curve, float32 |
 | `taxel_counts` | (rows, cols, 3) of one patch, else (taxels, 3) | counts of three-axis taxels along x, y and the normal, int32 |
 | `features` | (13) | moments of the tactile image, in the order of FEATURES |
+| `center_of_pressure` | (3) | centre of pressure (x, y, z) in S, m; 0 without contact |
+| `touch` | (1) | 1 if the sensor reads a force above 0, else 0 |
 | `proprioception` | (7 + joints) | pose of S relative to its start: position, m, quaternion (w, x, y, z); joint positions, rad or m |
+| `joint_positions`, `joint_velocities` | (joints) | rad or m; rad/s or m/s |
 | `start_contact` | (6) | `contact` in the first frame of the episode |
+| `target_force` | (fingers) | N, force that each finger must hold; scenes of kind grasp |
 
-All but counts are float32. With several sensors per environment all but `proprioception` have an axis (sensors) in front; `proprioception`
-has 7 numbers per sensor. Centre, z of the force and features come from the tactile image, so gain and noise of the sensor affect them. A
+All but counts are float32. With several sensors per environment those of a sensor have an axis (sensors) in front, `touch` is (sensors),
+and `proprioception` has 7 numbers per sensor. Centre, z of the force and features come from the tactile image, so gain and noise of the
+sensor affect them. A
 tactile image has no shear, so x and y of the force are the true ones; they are 0 on a flat skin without friction. `taxel_counts` needs a
 sensor with `readout: {three_axis}`, which measures shear with its noise and cross-talk.
+
+In a scene of kind grasp `thumb/contact` is that of one sensor. `contact` alone is that of all sensors in the order of the robot. Images of
+sensors with different taxels are joined to (taxels), or (taxels, 3). Poses of `proprioception` are in the world.
 
 Normalised observations are divided by SCALES, counts by the largest count of the sensor.
 """
@@ -27,19 +35,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._arguments import checked_count, checked_names
-from .._core import OutputOptions, Sensor
+from .._core import OutputOptions, Scene, Sensor
 from .._counts import IMAGE_UNITS
 from .._features import IMAGE_FEATURES
 from ..environment import NO_OUTPUTS, EnvironmentFrame, EnvironmentLayout
 from ..errors import InputError
+from ..grasps import GraspFrame, GraspLayout
 from .values import NumpyValues
 
+Layout = EnvironmentLayout | GraspLayout
+AnyFrame = EnvironmentFrame | GraspFrame
 Values = NDArray[Any]
 
-OBSERVATIONS = ("contact", "tactile_image", "taxel_counts", "features", "proprioception", "start_contact")
+SENSOR_OBSERVATIONS = ("contact", "tactile_image", "taxel_counts", "features", "center_of_pressure", "touch", "start_contact")
+"""Names of observations of a sensor."""
+
+OBSERVATIONS = (*SENSOR_OBSERVATIONS, "proprioception", "joint_positions", "joint_velocities", "target_force")
 """Names of observations."""
 
-SCALES = {"m": 0.01, "N": 1.0, "m^2": 1e-4, "rad": 1.0, "1": 1.0}
+SCALES = {"m": 0.01, "N": 1.0, "m^2": 1e-4, "rad": 1.0, "rad/s": 1.0, "1": 1.0}
 """Divisors of normalised observations, by unit."""
 
 FEATURES = IMAGE_FEATURES
@@ -58,7 +72,7 @@ class Bounds:
 class _Block:
     bounds: Bounds
     scale: NDArray[np.float32]
-    read: Callable[[EnvironmentFrame], Values]  # (N, *shape), SI units
+    read: Callable[[Any], Values]  # of a frame: (N, *shape), SI units
     live: bool = False  # read() returns memory that the next step changes, perhaps that of a GPU
     table: NDArray[np.float32] | None = None  # of what read() returns as indices; the values are its entries
     of_first_frame: bool = False  # holds the value of the first frame of the episode
@@ -123,10 +137,23 @@ def _features(layout: EnvironmentLayout) -> _Block:
     return _Block(_unbounded((*_sensors(layout), len(scale))), scale, read)
 
 
-def _proprioception(layout: EnvironmentLayout) -> _Block:
+def _center_of_pressure(layout: EnvironmentLayout) -> _Block:
+    scale = np.array(SCALES["m"], np.float32)
+    return _Block(_unbounded((*_sensors(layout), 3)), scale, lambda frame: frame.center_of_pressure.astype(np.float32))
+
+
+def _touch(layout: EnvironmentLayout) -> _Block:
+    def read(frame: EnvironmentFrame) -> Values:
+        return (frame.total_force > 0).reshape(-1, layout.num_sensors).astype(np.float32)
+
+    shape = (layout.num_sensors,)
+    return _Block(Bounds(np.zeros(shape, np.float32), np.ones(shape, np.float32)), np.array(1, np.float32), read)
+
+
+def _proprioception(layout: Layout) -> _Block:
     num_values = 7 * layout.num_sensors
 
-    def read(frame: EnvironmentFrame) -> Values:
+    def read(frame: AnyFrame) -> Values:
         poses = frame.X_WS.reshape(len(frame.X_WS), num_values)
         return np.concatenate([poses, frame.joint_positions], axis=-1, dtype=np.float32)
 
@@ -135,13 +162,94 @@ def _proprioception(layout: EnvironmentLayout) -> _Block:
     return _Block(_unbounded((num_values + layout.num_joints,)), scale, read)
 
 
-def outputs_of(names: str | Sequence[str], sensor: Sensor) -> OutputOptions:
-    """Optional outputs that frames of the sensor need for these observations.
+def _joints(array: str, unit: str) -> Callable[[Layout], _Block]:
+    def block(layout: Layout) -> _Block:
+        if not layout.num_joints:
+            raise InputError(f"observations: {array!r} needs a robot with joints, which this scene has not")
+        scale = np.array(SCALES[unit], np.float32)
+        return _Block(_unbounded((layout.num_joints,)), scale, lambda frame: frame[array].astype(np.float32))
+
+    return block
+
+
+def _target_force(layout: Layout) -> _Block:
+    if not isinstance(layout, GraspLayout):
+        raise InputError("observations: 'target_force' needs a scene of kind grasp")
+    bounds = Bounds(np.zeros(layout.num_fingers, np.float32), np.full(layout.num_fingers, np.inf, np.float32))
+    return _Block(bounds, np.array(SCALES["N"], np.float32), lambda frame: frame.target_forces.astype(np.float32))
+
+
+_ROBOT_BLOCKS: dict[str, Callable[[Layout], _Block]] = {
+    "proprioception": _proprioception,
+    "joint_positions": _joints("joint_positions", "rad"),
+    "joint_velocities": _joints("joint_velocities", "rad/s"),
+    "target_force": _target_force,
+}
+_SENSOR_BLOCKS: dict[str, Callable[[EnvironmentLayout], _Block]] = {
+    "contact": _contact,
+    "tactile_image": _counts,
+    "taxel_counts": _taxel_counts,
+    "features": _features,
+    "center_of_pressure": _center_of_pressure,
+    "touch": _touch,
+    "start_contact": _start_contact,
+}
+
+
+def _block(name: str, layout: Layout, image_unit: str) -> _Block:
+    sensor, _, quantity = name.rpartition("/")
+    if quantity in _ROBOT_BLOCKS:
+        return _ROBOT_BLOCKS[quantity](layout)
+    make = _newtons if quantity == "tactile_image" and image_unit == "newtons" else _SENSOR_BLOCKS[quantity]
+    if isinstance(layout, EnvironmentLayout):
+        return make(layout)
+    blocks = [_of_sensor(each, make(layout.alone(each))) for each in ([sensor] if sensor else layout.sensors)]
+    return blocks[0] if sensor else _joined(blocks, [each.num_taxels for each in layout.sensors.values()], quantity)
+
+
+def _of_sensor(sensor: str, block: _Block) -> _Block:
+    table = block.table
+    if table is None:
+        return replace(block, read=lambda frame: block.read(frame.sensors[sensor]))
+    return replace(block, read=lambda frame: table[block.read(frame.sensors[sensor])], live=False, table=None)
+
+
+def _joined(blocks: Sequence[_Block], num_taxels: Sequence[int], quantity: str) -> _Block:
+    """Blocks of all sensors on one axis in front; images of different shapes as one list of taxels."""
+    shapes = [block.bounds.low.shape for block in blocks]
+
+    def join(parts: Sequence[Values]) -> Values:  # (K, *shape) each
+        if quantity == "touch":
+            return np.concatenate(parts, axis=1)
+        if len(set(shapes)) == 1:
+            return np.stack(parts, axis=1)
+        vector = shapes[0][-1:] if quantity == "taxel_counts" else ()
+        return np.concatenate([part.reshape(len(part), n, *vector) for part, n in zip(parts, num_taxels, strict=True)], axis=1)
+
+    low, high, scale = (
+        join([np.broadcast_to(values, shape)[np.newaxis] for values, shape in zip(each, shapes, strict=True)])[0]
+        for each in zip(*((block.bounds.low, block.bounds.high, block.scale) for block in blocks), strict=True)
+    )
+    return replace(blocks[0], bounds=Bounds(low, high), scale=scale, read=lambda frame: join([b.read(frame) for b in blocks]), live=False)
+
+
+def checked_observations(names: str | Sequence[str], sensors: Sequence[str]) -> tuple[str, ...]:
+    """`names` as a tuple if they are observations of a scene, whose `sensors` have these names, else InputError."""
+    return checked_names("observations", names, (*OBSERVATIONS, *(f"{s}/{name}" for s in sensors for name in SENSOR_OBSERVATIONS)))
+
+
+def outputs_of(names: str | Sequence[str], scene: Scene) -> OutputOptions:
+    """Optional outputs that frames of the scene need for these observations.
 
     Raises InputError for an unknown name, and for `taxel_counts` of a sensor without readout.three_axis.
     """
-    needs_counts = "taxel_counts" in checked_names("observations", names, OBSERVATIONS)
-    return NO_OUTPUTS.replace(taxel_counts=needs_counts and _largest_count(sensor) > 0)
+    sensors = dict(scene.sensors)
+    needed = [name for name in checked_observations(names, tuple(sensors)) if name.endswith("taxel_counts")]
+    for name in needed:
+        of_one = name.rpartition("/")[0]
+        for sensor in [sensors[of_one]] if of_one else sensors.values() or [scene.sensor]:
+            _largest_count(sensor)
+    return NO_OUTPUTS.replace(taxel_counts=bool(needed))
 
 
 class ObservationBuilder:
@@ -159,7 +267,7 @@ class ObservationBuilder:
 
     def __init__(
         self,
-        layout: EnvironmentLayout,
+        layout: Layout,
         names: str | Sequence[str] = "contact",
         *,
         image_unit: str = "counts",
@@ -168,17 +276,9 @@ class ObservationBuilder:
         copy: bool = True,
         images: NumpyValues | None = None,
     ) -> None:
-        self.names = checked_names("observations", names, OBSERVATIONS)
+        self.names = checked_observations(names, () if isinstance(layout, EnvironmentLayout) else tuple(layout.sensors))
         checked_names("image_unit", image_unit, IMAGE_UNITS)
-        makers = {
-            "contact": _contact,
-            "tactile_image": _counts if image_unit == "counts" else _newtons,
-            "taxel_counts": _taxel_counts,
-            "features": _features,
-            "proprioception": _proprioception,
-            "start_contact": _start_contact,
-        }
-        self._blocks = {name: makers[name](layout) for name in self.names}
+        self._blocks = {name: _block(name, layout, image_unit) for name in self.names}
         self._is_dict = not isinstance(names, str)
         self._normalized = normalized
         self._history = checked_count("history", history)
@@ -203,7 +303,7 @@ class ObservationBuilder:
 
     def update(
         self,
-        frame: EnvironmentFrame,
+        frame: AnyFrame,
         started: NDArray[np.bool_] | None = None,
         rows: Any = slice(None),
         kept: NDArray[np.bool_] | None = None,

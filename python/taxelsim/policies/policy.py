@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 from .._arguments import checked_actions
 from .._core import OutputOptions, Scene
 from .._log import warn_once
-from ..environment import EnvironmentFrame, EnvironmentLayout, frame_of
+from ..environment import EnvironmentLayout, frame_of
 from ..errors import InputError
+from ..grasps import GraspLayout, grasp_frame_of
 from .actions import ActionMap
 from .batching import independent_of_batch
-from .observations import ObservationBuilder, outputs_of
+from .observations import AnyFrame, Layout, ObservationBuilder, outputs_of
 from .onnx import OnnxPolicy
 
 
@@ -40,8 +41,9 @@ class Policy:
     image_unit: str = "counts"
     normalized: bool = False
     history: int = 1
-    action: str = "twist"
-    """What the actions command: "twist" of the sensor, or "joint_velocities" of a robot with joints."""
+    action: str | None = None
+    """What the actions command: "twist" of the sensor, or "joint_velocities" or "joint_positions" of a robot with joints. Default: "twist",
+    in a scene of kind grasp "joint_velocities"."""
     actions: str | Sequence[str] | None = None
     """Components that the policy commands, out of taxelsim.policies.ACTIONS or the names of the joints. Default: all."""
     linear_scale: float | None = None
@@ -83,9 +85,13 @@ class PolicyCalls:
     def __call__(self, arrays: Mapping[str, Any], instances: NDArray[np.int32], first_instance: int) -> NDArray[np.float64]:
         """Twists (num_due, 6) or joint velocities (num_due, num_joints) of the `instances` (num_due) of a slice.
 
-        arrays: see frame_of(); valid during the call only.
+        arrays: see frame_of() and grasp_frame_of(); valid during the call only.
         """
-        return self._commands(frame_of(arrays, *arrays["X_WS"].shape[:2]), instances, first_instance)
+        if self._scene.kind == Scene.Kind.GRASP:
+            return self._commands(grasp_frame_of(arrays), GraspLayout.of(self._scene), instances, first_instance)
+        num_instances, num_sensors = arrays["X_WS"].shape[:2]
+        layout = EnvironmentLayout(self._scene.sensor, num_sensors, arrays["joint_positions"].shape[1])
+        return self._commands(frame_of(arrays, num_instances, num_sensors), layout, instances, first_instance)
 
     def checked_policy(self) -> Policy:
         """The policy as it was called: with the outcome of the check of the batch, and with an identity."""
@@ -101,15 +107,13 @@ class PolicyCalls:
     @property
     def outputs(self) -> OutputOptions:
         """Optional outputs of the frames that it is called with."""
-        return outputs_of(self.policy.observations, self._scene.sensor)
+        return outputs_of(self.policy.observations, self._scene)
 
-    def _commands(self, frame: EnvironmentFrame, instances: NDArray[np.int32], first_instance: int) -> NDArray[np.float64]:
-        num_instances, num_sensors = frame.X_WS.shape[:2]
+    def _commands(self, frame: AnyFrame, layout: Layout, instances: NDArray[np.int32], first_instance: int) -> NDArray[np.float64]:
         if first_instance not in self._builders:
-            layout = EnvironmentLayout(self._scene.sensor, num_sensors, frame.joint_positions.shape[1])
             self._builders[first_instance] = self._builder(layout)
         builder = self._builders[first_instance]
-        started = np.zeros(num_instances, np.bool_)
+        started = np.zeros(len(frame.frame_numbers), np.bool_)
         started[instances] = frame.frame_numbers[instances] == 0
         builder.update(frame, started, rows=instances)
         observation = builder.observation(instances)
@@ -122,9 +126,9 @@ class PolicyCalls:
             return f"episode {frame.episodes[instance]} (instance {first_instance + instance})"
 
         actions = checked_actions(found, (len(instances), len(self._actions.names)), name_of)
-        return self._actions.commands(actions)
+        return self._actions.commands(actions, frame.joint_positions[instances])
 
-    def _builder(self, layout: EnvironmentLayout) -> ObservationBuilder:
+    def _builder(self, layout: Layout) -> ObservationBuilder:
         policy = self.policy
         return ObservationBuilder(
             layout, policy.observations, image_unit=policy.image_unit, normalized=policy.normalized, history=policy.history

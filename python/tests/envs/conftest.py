@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 import taxelsim
-from taxelsim.envs import OBSERVATIONS, TactileVectorEnv
+from taxelsim.envs import TactileVectorEnv
+from taxelsim.policies.observations import SENSOR_OBSERVATIONS
 
 NUM_STEPS = 12  # of an episode of the scene below
 
-OF_ANY_SENSOR = tuple(name for name in OBSERVATIONS if name != "taxel_counts")
-"""Observations that need no three-axis taxels."""
+OF_ANY_SENSOR = (*(name for name in SENSOR_OBSERVATIONS if name != "taxel_counts"), "proprioception")
+"""Observations that need neither three-axis taxels nor joints."""
 
 RECORD = "tactile_image, poses, actions"
 

@@ -18,13 +18,17 @@ def test_observations_are_in_their_spaces_and_in_si_units(make):
         "contact": (6,),
         "tactile_image": (6, 14),
         "features": (13,),
-        "proprioception": (7,),
+        "center_of_pressure": (3,),
+        "touch": (1,),
         "start_contact": (6,),
+        "proprioception": (7,),
     }
     assert observation["tactile_image"].dtype == np.int32
     assert np.allclose(observation["proprioception"], [0, 0, 0, 1, 0, 0, 0])
     contact, features = observation["contact"], observation["features"]
     assert np.array_equal(contact[:, :3], features[:, 2:5])
+    assert np.array_equal(contact[:, :3], observation["center_of_pressure"])
+    assert (observation["touch"] == 1).all()
     assert np.array_equal(-contact[:, 5], features[:, 0])
     assert ((features[:, 0] > 0.5) & (features[:, 0] < 4)).all()
     assert (np.abs(contact[:, :2]) < 0.03).all()

@@ -1,12 +1,22 @@
-#include "evaluation/grasp_judge.h"
-#include "base/constants.h"
+#include "episodes/grasp_judge.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "base/constants.h"
 
 namespace taxelsim {
-namespace {}  // namespace
+
+std::vector<GraspJudge::Touch> touchesOf(const GraspBatch& batch, const Grasp& grasp, int instance) {
+  std::vector<GraspJudge::Touch> touches;
+  for (const GraspFinger& finger : grasp.fingers) {
+    const GroundTruthView& truth = batch.robots().frame(finger.sensor).ground_truth;
+    const std::size_t row = batch.robots().row(finger.sensor, instance);
+    touches.push_back(
+        {.force = truth.total_force[row], .center = {truth.center_of_pressure[3 * row], truth.center_of_pressure[3 * row + 1]}});
+  }
+  return touches;
+}
 
 GraspJudge::GraspJudge(const GraspTask& task, int num_frames, double dt, std::uint64_t episode, std::span<const double> targets)
     : task_(task),

@@ -1,4 +1,4 @@
-// Judges the fingers of one episode of a grasp, on clean forces (taxelsim/grasp_evaluation.h has the rules).
+// Judges the fingers of one episode of a grasp, on clean forces (taxelsim/verdict.h has the rules).
 #pragma once
 
 #include <array>
@@ -6,7 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "taxelsim/grasp_evaluation.h"
+#include "episodes/grasp_batch.h"
+#include "taxelsim/grasp.h"
+#include "taxelsim/verdict.h"
 
 namespace taxelsim {
 
@@ -44,5 +46,8 @@ class GraspJudge {
   std::vector<State> states_;
   std::vector<std::uint8_t> touched_;  // (num_fingers), in the preceding frame
 };
+
+// Touches of the fingers of an instance in its present frame (num_fingers).
+std::vector<GraspJudge::Touch> touchesOf(const GraspBatch& batch, const Grasp& grasp, int instance);
 
 }  // namespace taxelsim
