@@ -25,6 +25,32 @@ def test_generates_and_reads_a_grasp(tmp_path: Path) -> None:
     np.testing.assert_allclose(held, data["meta/target_force"][1], atol=READING)
 
 
+def test_conditions_vary_the_readout_of_each_sensor(device: ts.Device, tmp_path: Path) -> None:
+    """A reading is the force times the gain that is drawn for its sensor and episode."""
+    text = (SCENES / "gripper_grasp.yaml").read_text().replace("robots/", f"{SCENES.resolve()}/robots/")
+    (tmp_path / "scene.yaml").write_text(
+        text.replace("{gain: [1.25, 1.4], gain_spread: [0.35, 0.44], noise: [25, 40]}", "{gain: [0.6, 0.9]}")
+    )
+    scene = ts.load_scene(tmp_path / "scene.yaml", num_episodes=3, condition="unseen")
+    assert scene.conditions == ["randomized", "unseen"]
+    ts.generate(scene, tmp_path / "out", device=device, batch_size=2)
+    data = Dataset(tmp_path / "out")
+    gains = data["meta/gain"][:]
+    assert gains.shape == (3, 3)
+    assert len(set(gains.ravel())) == 9
+    assert ((gains >= 0.6) & (gains <= 0.9)).all()
+    for s, name in ((0, "left"), (2, "below")):
+        read, true = (data[f"data/{name}/{column}"][149::150] for column in ("total_force", "ground_truth/total_force"))
+        assert (true > 0.1).all()
+        np.testing.assert_allclose(read, gains[:, s] * true, atol=READING)
+    assert "meta/gain" not in Dataset(nominal(tmp_path, device))
+
+
+def nominal(folder: Path, device: ts.Device) -> Path:
+    ts.generate(ts.load_scene(folder / "scene.yaml", num_episodes=1), folder / "nominal", device=device)
+    return folder / "nominal"
+
+
 def test_evaluates_gains_in_the_same_episodes(device: ts.Device, tmp_path: Path) -> None:
     """The verdicts are those of the forces in a data set of the same episodes."""
     scene = ts.load_scene(SCENES / "gripper_grasp.yaml", num_episodes=3)

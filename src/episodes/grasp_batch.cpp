@@ -46,6 +46,7 @@ GraspBatch::GraspBatch(const Device& device, const Scene& scene, const OutputOpt
   episodes_.resize(size);
   X_WO_.resize(size * scene.objects.size());
   trajectories_.resize(X_WO_.size());
+  variations_.resize(size * grasp_.sensors.size());
   target_forces_.resize(size * grasp_.fingers.size());
   touched_.resize(target_forces_.size());
   nearest_.resize(target_forces_.size());
@@ -74,7 +75,6 @@ void GraspBatch::start(int i, std::uint64_t episode) {
   const std::size_t num_fingers = grasp_.fingers.size();
   frames_[instance] = -1;
   episodes_[instance] = episode;
-  robots_.reset(i, episode);
   EpisodeRandom random(scene_.seed, episode);
   const double factor = random.uniform(1 - grasp_.force_spread, 1 + grasp_.force_spread);
   for (std::size_t k = 0; k < scene_.objects.size(); ++k) {
@@ -93,6 +93,15 @@ void GraspBatch::start(int i, std::uint64_t episode) {
     touched_[f] = 0;
     nearest_[f] = std::numeric_limits<double>::infinity();
   }
+  const auto num_sensors = static_cast<std::size_t>(robots_.numSensors());
+  const std::span<ReadoutVariation> variations = std::span(variations_).subspan(instance * num_sensors, num_sensors);
+  const Randomization& ranges = scene_.randomization;
+  for (ReadoutVariation& variation : variations) {
+    variation.gain = static_cast<float>(random.uniform(ranges.gain.min, ranges.gain.max));
+    variation.gain_spread = static_cast<float>(random.uniform(ranges.gain_spread.min, ranges.gain_spread.max));
+    variation.noise = static_cast<float>(random.uniform(ranges.noise.min, ranges.noise.max));
+  }
+  robots_.reset(i, episode, variations);
 }
 
 void GraspBatch::step() {

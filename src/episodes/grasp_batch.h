@@ -51,8 +51,9 @@ class GraspBatch {
   std::span<const int> frames() const { return frames_; }                // (num_instances), number of the frame; -1 before the first
   std::span<const std::uint64_t> episodes() const { return episodes_; }  // (num_instances)
   double time(int instance = 0) const { return frames_[static_cast<std::size_t>(instance)] * dt_; }  // s, of the frame
-  std::span<const Pose> X_WO() const { return X_WO_; }                     // (num_instances x num_objects), of the frame
-  std::span<const double> targetForces() const { return target_forces_; }  // (num_instances x num_fingers), N
+  std::span<const Pose> X_WO() const { return X_WO_; }                          // (num_instances x num_objects), of the frame
+  std::span<const ReadoutVariation> variations() const { return variations_; }  // (num_instances x num_sensors)
+  std::span<const double> targetForces() const { return target_forces_; }       // (num_instances x num_fingers), N
 
  private:
   double forceRate(int instance, int sensor, std::span<const double> joint_velocities) const;
@@ -69,6 +70,7 @@ class GraspBatch {
   std::vector<std::uint64_t> episodes_;                  // (num_instances)
   std::vector<Pose> X_WO_;                               // (num_instances x num_objects)
   std::vector<std::optional<Trajectory>> trajectories_;  // (num_instances x num_objects), of objects that move
+  std::vector<ReadoutVariation> variations_;             // (num_instances x num_sensors)
   std::vector<double> target_forces_;                    // (num_instances x num_fingers)
   std::vector<Clearance> clearances_;                    // (num_fingers)
   std::vector<std::uint8_t> touched_;                    // (num_instances x num_fingers), 1: has had contact in the episode

@@ -32,12 +32,12 @@ SensedRobots::SensedRobots(const Device& device, const Manipulator& robot, std::
   for (std::size_t k = 0; k < ids_.size(); ++k) ids_[k] = static_cast<int>(k % num_objects_);
 }
 
-void SensedRobots::reset(int instance, std::uint64_t episode) {
+void SensedRobots::reset(int instance, std::uint64_t episode, std::span<const ReadoutVariation> variations) {
   robots_.reset(instance);
   const auto num_sensors = static_cast<std::uint64_t>(numSensors());
   for (int s = 0; s < numSensors(); ++s) {
-    groups_[places_[static_cast<std::size_t>(s)].group].simulator.reset(static_cast<int>(row(s, instance)),
-                                                                        episode * num_sensors + static_cast<std::uint64_t>(s));
+    groups_[places_[static_cast<std::size_t>(s)].group].simulator.reset(
+        static_cast<int>(row(s, instance)), episode * num_sensors + static_cast<std::uint64_t>(s), variations[static_cast<std::size_t>(s)]);
   }
 }
 

@@ -34,8 +34,8 @@ class SensedRobots {
   int numInstances() const { return robots_.numInstances(); }
   int numSensors() const { return robots_.numSensors(); }
 
-  // Starts an episode of an instance at the initial posture of the robot.
-  void reset(int instance, std::uint64_t episode);
+  // Starts an episode of an instance at the initial posture of the robot. variations (num_sensors).
+  void reset(int instance, std::uint64_t episode, std::span<const ReadoutVariation> variations);
 
   // Computes the frame of all sensors. X_WO (num_instances x num_objects). Submits and waits.
   //

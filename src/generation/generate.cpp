@@ -86,13 +86,6 @@ void checkHostMemory(const Scene& scene, const std::vector<Column>& columns, con
                                      (options.num_processes > 1 ? ", the batch size or the number of processes" : " or the batch size"));
 }
 
-// Names of the sensors of a robot: "palm, thumb".
-std::string sensorNames(const Grasp& grasp) {
-  std::string names;
-  for (const RobotSensor& sensor : grasp.sensors) names += (names.empty() ? "" : ", ") + sensor.name;
-  return names;
-}
-
 Manifest manifestOf(const Scene& scene, std::vector<Column> columns, const Device& device, const GenerateOptions& options) {
   const bool is_grasp = scene.kind == Scene::Kind::kGrasp;
   const bool one_grid = !is_grasp && scene.sensor.patches.size() == 1;

@@ -1,5 +1,6 @@
 #include "generation/grasp_columns.h"
 
+#include <array>
 #include <cstring>
 #include <string>
 
@@ -36,6 +37,21 @@ std::string jointNames(const Manipulator& robot) {
   return names;
 }
 
+// Columns of the readout's variation, by sensor.
+struct VariationColumn {
+  const char *name, *unit, *text;
+  float ReadoutVariation::*member;
+};
+constexpr std::array kVariationColumns{
+    VariationColumn{"gain", "1", "Factor on the gain of every taxel", &ReadoutVariation::gain},
+    VariationColumn{"gain_spread", "1", "Standard deviation of the logarithm of a further gain per taxel", &ReadoutVariation::gain_spread},
+    VariationColumn{"noise", "counts", "Standard deviation of the noise added to the sensor's own", &ReadoutVariation::noise}};
+
+bool variesReadout(const Randomization& random) {
+  const auto is = [](const Range& range, double value) { return range.min == value && range.max == value; };
+  return !(is(random.gain, 1) && is(random.gain_spread, 0) && is(random.noise, 0));
+}
+
 std::string fingerNames(const Grasp& grasp) {
   std::string names;
   for (const GraspFinger& finger : grasp.fingers)
@@ -44,6 +60,12 @@ std::string fingerNames(const Grasp& grasp) {
 }
 
 }  // namespace
+
+std::string sensorNames(const Grasp& grasp) {
+  std::string names;
+  for (const RobotSensor& sensor : grasp.sensors) names += (names.empty() ? "" : ", ") + sensor.name;
+  return names;
+}
 
 ColumnPlan planSensorColumns(const Scene& scene, const RobotSensor& sensor) {
   Scene alone;
@@ -92,6 +114,15 @@ std::vector<Column> graspColumns(const Scene& scene) {
                      "N",
                      "Force that each finger holds, by its sensor: " + fingerNames(*scene.grasp) + ".",
                      true});
+  if (!variesReadout(scene.randomization)) return columns;
+  for (const VariationColumn& variation : kVariationColumns) {
+    columns.push_back({std::string("meta/") + variation.name,
+                       ScalarType::kFloat32,
+                       {scene.grasp->sensors.size()},
+                       variation.unit,
+                       std::string(variation.text) + ", by sensor: " + sensorNames(*scene.grasp) + ".",
+                       true});
+  }
   return columns;
 }
 
@@ -128,11 +159,17 @@ void GraspRecorder::recordFrames(const GraspBatch& batch, int count, std::span<s
 
 void GraspRecorder::recordEpisodes(const GraspBatch& batch, std::span<const std::uint64_t> episodes, std::span<std::byte* const> columns,
                                    std::uint64_t first_row) const {
-  const std::size_t num_fingers = scene_.grasp->fingers.size();
+  const std::size_t num_fingers = scene_.grasp->fingers.size(), num_sensors = scene_.grasp->sensors.size();
+  const std::size_t num_variations = variesReadout(scene_.randomization) ? kVariationColumns.size() : 0;
+  const std::span<std::byte* const> last = columns.last(2 + num_variations);
   for (std::size_t i = 0; i < episodes.size(); ++i) {
-    writeAt(columns[columns.size() - 2], first_row + i, episodes[i]);
+    writeAt(last[0], first_row + i, episodes[i]);
     for (std::size_t f = 0; f < num_fingers; ++f) {
-      writeAt(columns.back(), (first_row + i) * num_fingers + f, batch.targetForces()[i * num_fingers + f]);
+      writeAt(last[1], (first_row + i) * num_fingers + f, batch.targetForces()[i * num_fingers + f]);
+    }
+    for (std::size_t v = 0; v < num_variations; ++v) {
+      for (std::size_t s = 0; s < num_sensors; ++s)
+        writeAt(last[2 + v], (first_row + i) * num_sensors + s, batch.variations()[i * num_sensors + s].*kVariationColumns[v].member);
     }
   }
 }

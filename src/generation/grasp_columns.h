@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include "episodes/grasp_batch.h"
@@ -10,6 +11,9 @@
 #include "taxelsim/scene.h"
 
 namespace taxelsim {
+
+// Names of the sensors of a robot: "palm, thumb".
+std::string sensorNames(const Grasp& grasp);
 
 // The columns of one sensor, with the names that they have in a scene of that sensor alone.
 ColumnPlan planSensorColumns(const Scene& scene, const RobotSensor& sensor);

@@ -1,6 +1,7 @@
 #include "scene/conditions.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "base/text.h"
@@ -13,7 +14,7 @@ namespace taxelsim {
 namespace {
 
 constexpr std::string_view kConditions = "conditions";
-constexpr std::string_view kSensor = "sensor";
+constexpr std::array<std::string_view, 2> kReplaced{"sensor", "robot"};
 constexpr std::string_view kRandomization = "randomization";
 constexpr std::string_view kFormerRandomization = "randomisation";
 constexpr std::string_view kNameCharacters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
@@ -65,12 +66,19 @@ bool isName(std::string_view text) {
   return !text.empty() && text.size() <= kMaxName && text.find_first_not_of(kNameCharacters) == std::string_view::npos;
 }
 
+const Block& keysOfConditions(const YamlNode& scene) {
+  const std::optional<YamlNode> kind = scene.child("kind");
+  return kind && kind->isScalar() && kind->tree().text == "grasp" ? graspConditionKeys() : conditionKeys();
+}
+
 }  // namespace
 
 std::vector<std::string> conditionNames(const YamlTree& scene, const std::string& file) {
-  const std::optional<YamlNode> block = YamlNode(scene, file).child(kConditions);
+  const YamlNode root(scene, file);
+  const std::optional<YamlNode> block = root.child(kConditions);
   if (!block) return {};
-  if (!block->isMap()) block->refuse("a mapping of names to {sensor, randomization}");
+  if (!block->isMap()) block->refuse("a mapping of names to overrides");
+  const Block& keys = keysOfConditions(root);
   std::vector<std::string> names;
   const auto at = std::find_if(scene.keys.begin(), scene.keys.end(), [](const YamlTree::Key& key) { return key.text == kConditions; });
   for (const YamlTree::Key& key : scene.children[static_cast<std::size_t>(at - scene.keys.begin())].keys) {
@@ -78,7 +86,7 @@ std::vector<std::string> conditionNames(const YamlTree& scene, const std::string
     const YamlNode condition = *block->child(key.text);
     if (key.text == kNominalCondition) condition.fail("this name means the scene without overrides");
     Canonical unused;
-    const YamlMap map(condition, conditionKeys(), unused);
+    const YamlMap map(condition, keys, unused);
     const std::optional<YamlNode> randomization = map.find(kRandomization);
     if (randomization && !randomization->isMap()) randomization->refuse("a mapping of keys of the scene's randomization");
     names.push_back(key.text);
@@ -96,7 +104,7 @@ YamlTree inCondition(YamlTree scene, const std::string& file, std::string_view c
   }
   const YamlTree overrides = *find(*find(scene, kConditions), condition);
   for (std::size_t i = 0; i < overrides.keys.size(); ++i) {
-    if (overrides.keys[i].text == kSensor) {
+    if (std::ranges::find(kReplaced, overrides.keys[i].text) != kReplaced.end()) {
       set(scene, overrides.keys[i], overrides.children[i]);
       continue;
     }

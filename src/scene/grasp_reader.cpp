@@ -5,6 +5,7 @@
 #include <string>
 
 #include "scene/keys/grasp.h"
+#include "scene/range_reader.h"
 #include "scene/scene_checks.h"
 #include "scene/scene_fields.h"
 #include "scene/servo_reader.h"
@@ -144,7 +145,7 @@ void readGraspTask(const YamlMap& scene, double duration, GraspTask& task) {
 
 }  // namespace
 
-void readGrasp(const YamlMap& scene, const Manipulator& robot, double simulation_rate, int num_steps, Grasp& grasp) {
+Randomization readGrasp(const YamlMap& scene, const Manipulator& robot, double simulation_rate, int num_steps, Grasp& grasp) {
   scene.require("grasp", "the fingers and their target forces");
   {
     const YamlMap map(scene, "grasp");
@@ -157,8 +158,19 @@ void readGrasp(const YamlMap& scene, const Manipulator& robot, double simulation
     canonical.close();
     if (map.has("servo")) grasp.servo = readGraspServo(map, robot, grasp, taken);
   }
-  readFields(YamlMap(scene, "randomization"), kGraspRandomFields, grasp);
+  const Randomization random = readGraspRandomization(scene, grasp);
   readGraspTask(scene, num_steps / simulation_rate, grasp.task);
+  return random;
+}
+
+Randomization readGraspRandomization(const YamlMap& scene, Grasp& grasp) {
+  const YamlMap map(scene, "randomization");
+  readFields(map, kGraspRandomFields, grasp);
+  const std::array fields{randomizationField("gain"), randomizationField("gain_spread"), randomizationField("noise")};
+  Randomization random;
+  // Without a range the canonical text is the one that it was before these keys existed.
+  if (std::ranges::any_of(fields, [&](const RangeField& field) { return map.has(field.name()); })) readRanges(map, fields, random);
+  return random;
 }
 
 }  // namespace taxelsim

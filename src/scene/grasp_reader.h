@@ -4,10 +4,14 @@
 #include "scene/yaml_reader.h"
 #include "taxelsim/grasp.h"
 #include "taxelsim/robot.h"
+#include "taxelsim/scene.h"
 
 namespace taxelsim {
 
-// Completes `grasp`, whose sensors have been read. simulation_rate: Hz.
-void readGrasp(const YamlMap& scene, const Manipulator& robot, double simulation_rate, int num_steps, Grasp& grasp);
+// Completes `grasp`, whose sensors have been read, and returns the ranges of the readout. simulation_rate: Hz.
+Randomization readGrasp(const YamlMap& scene, const Manipulator& robot, double simulation_rate, int num_steps, Grasp& grasp);
+
+// The block `randomization`: completes `grasp`, and returns the ranges of the readout.
+Randomization readGraspRandomization(const YamlMap& scene, Grasp& grasp);
 
 }  // namespace taxelsim

@@ -9,6 +9,7 @@
 #include "scene/keys/scene.h"
 #include "scene/object_reader.h"
 #include "scene/pose_reader.h"
+#include "scene/range_reader.h"
 #include "scene/robot_file.h"
 #include "scene/scene_checks.h"
 #include "scene/scene_fields.h"
@@ -31,33 +32,6 @@ constexpr std::string_view kActions = "actions", kRobot = "robot", kPoses = "pos
 constexpr std::array<std::string_view, 5> kOfSkin = {"taxel_counts", "tactile_shear_force", "penetration_depth", "tactile_jacobian",
                                                      "clean_tactile_jacobian"};
 constexpr std::array<std::string_view, 5> kDefaultColumns = {"tactile_image", "features", "ground_truth", "poses", "actions"};
-
-// A number, or [min, max].
-Range readRange(const YamlMap& map, const RangeField& field, const std::optional<Range>& otherwise) {
-  const std::optional<YamlNode> node = map.find(field.name());
-  Range range = otherwise.value_or(Range{});
-  if (!node && !otherwise) map.require(field.name(), "a number, or [min, max]");
-  if (node && node->isList()) {
-    const std::vector<double> numbers = node->numbers(field.allowed, 2);
-    range = {numbers[0], numbers[1]};
-    if (range.min > range.max) node->fail("[min, max] is not allowed with min > max");
-  } else if (node) {
-    range.min = range.max = node->number(field.allowed);
-  }
-  map.canonical().line(field.name(), canonicalList(std::array{range.min, range.max}));
-  return range;
-}
-
-void readRanges(const YamlMap& map, std::span<const RangeField> table, Randomization& random) {
-  for (const RangeField& field : table) {
-    if (const auto* member = std::get_if<Range Randomization::*>(&field.member)) {
-      Range& range = random.*(*member);
-      range = readRange(map, field, range);
-    } else if (map.has(field.name())) {
-      random.*std::get<1>(field.member) = readRange(map, field, {});
-    }
-  }
-}
 
 void readEpisode(const YamlMap& parent, Scene& scene) {
   const bool is_controlled = scene.kind != Scene::Kind::kContactPoints;
@@ -247,7 +221,7 @@ void readGraspScene(const YamlMap& map, const std::filesystem::path& directory, 
   scene.objects = readObjects(map, directory, max_depth_error, ObjectUse::kPlaced);
   readEpisode(map, scene);
   for (const RobotSensor& sensor : grasp.sensors) checkDelay(map.require("robot", ""), sensor.sensor, scene);
-  readGrasp(map, *robot, scene.simulation_rate, scene.num_steps, grasp);
+  scene.randomization = readGrasp(map, *robot, scene.simulation_rate, scene.num_steps, grasp);
   scene.record = readRecord(map, scene.kind);
   for (const RobotSensor& sensor : grasp.sensors) checkTaxelCounts(map, scene, sensor.sensor, " " + sensor.name);
   warnOfNoShear(map, scene);
@@ -295,6 +269,28 @@ void checkConditions(const YamlTree& tree, const std::string& name, const std::f
   }
 }
 
+// The same of a scene of kind grasp.
+void checkGraspConditions(const YamlTree& tree, const std::string& name, const std::filesystem::path& directory, const Scene& scene) {
+  for (const std::string& condition : scene.conditions) {
+    const YamlTree overridden = inCondition(tree, name, condition);
+    Canonical unused;
+    const YamlMap map(YamlNode(overridden, name), sceneKeys(Scene::Kind::kGrasp), unused);
+    Grasp changed;
+    const Robot robot = readRobotBlock(map, directory, &changed.sensors);
+    readGraspRandomization(map, changed);
+    const YamlNode place = map.require("robot", "");
+    for (const RobotSensor& sensor : changed.sensors) checkDelay(place, sensor.sensor, scene);
+    const bool same_sensors = std::ranges::equal(changed.sensors, scene.grasp->sensors, [](const RobotSensor& a, const RobotSensor& b) {
+      return a.name == b.name && haveSameLayout(a.sensor, b.sensor);
+    });
+    if (!same_sensors) place.fail("in condition " + condition + " its sensors and their taxels are not those of the scene's own robot");
+    const auto* manipulator = std::get_if<Manipulator>(&robot);
+    const std::vector<Joint>& joints = std::get<Manipulator>(scene.robot).joints;
+    if (manipulator == nullptr || !std::ranges::equal(manipulator->joints, joints, {}, &Joint::name, &Joint::name))
+      place.fail("in condition " + condition + " its joints are not those of the scene's own robot");
+  }
+}
+
 // Refuses names of files with a folder. These keys are those whose text can be such a name.
 void refuseFolders(const YamlNode& node) {
   for (const YamlTree::Key& key : node.tree().keys) {
@@ -332,6 +328,7 @@ Scene loadScene(const std::filesystem::path& file, const SceneOverrides& overrid
   if (scene.kind == Scene::Kind::kGrasp) {
     readGraspScene(map, directory, scene);
     readDataSet(map, overrides, scene);
+    checkGraspConditions(file_tree, name, directory, scene);
     scene.resolved = canonical.text();
     return scene;
   }

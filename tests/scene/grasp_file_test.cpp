@@ -64,6 +64,31 @@ TEST(GraspScene, LoadsAndItsResolvedTextIsItself) {
   EXPECT_EQ(loadScene(directory.write("scene.yaml", scene.resolved)).resolved, scene.resolved);
 }
 
+// A condition overrides the robot and the readout's randomization; the text of the nominal scene stays.
+TEST(GraspScene, HasConditions) {
+  const testing::TemporaryDirectory directory;
+  copyParts(directory);
+  const std::string robot = testing::contentOf(kScenes / "robots/gripper.yaml"), text = testing::contentOf(kScenes / "gripper_grasp.yaml");
+  directory.write("robots/other.yaml", replaced(robot, "position_mm: [20", "position_mm: [19"));
+  directory.write("scene.yaml", replaced(text, "unseen: {", "unseen: {robot: robots/other.yaml, "));
+  const Scene nominal = loadScene(directory.path() / "scene.yaml");
+  EXPECT_EQ(nominal.conditions, (std::vector<std::string>{"randomized", "unseen"}));
+  EXPECT_EQ(nominal.randomization.gain.max, 1);
+  EXPECT_THAT(nominal.resolved, HasSubstr("randomization:\n  offset: 0\n  yaw: 0\n  force_spread: 0.3\nrecord"));
+  const Scene unseen = loadScene(directory.path() / "scene.yaml", {.condition = "unseen"});
+  EXPECT_EQ(unseen.randomization.gain.max, 1.4);
+  EXPECT_EQ(unseen.randomization.noise.min, 25);
+  EXPECT_EQ(unseen.grasp->force_spread, 0.3);
+  EXPECT_NEAR(std::get<Manipulator>(unseen.robot).sensors[2].X_JS.position[0], 0.019, 1e-15);
+  EXPECT_EQ(loadScene(directory.write("robots/resolved.yaml", unseen.resolved)).resolved, unseen.resolved);
+  EXPECT_THAT(refusalOf("unseen: {", "unseen: {sensor: x.yaml, "), HasSubstr("unknown key"));
+  EXPECT_THAT(refusalOf("noise: [25, 40]", "noise: [40, 25]"), HasSubstr("min > max"));
+  EXPECT_THAT(refusalOf("unseen: {", "unseen: {robot: robots/pan_tilt.yaml, "), HasSubstr(".yaml:"));
+  directory.write("robots/other.yaml", replaced(robot, "name: below", "name: under"));
+  EXPECT_THAT(support::refusal([&] { loadScene(directory.path() / "scene.yaml"); }),
+              HasSubstr("in condition unseen its sensors and their taxels are not those of the scene's own robot"));
+}
+
 TEST(GraspScene, RefusesBadScenes) {
   EXPECT_EQ(refusalOf("name", "name"), "was accepted");
   EXPECT_THAT(refusalOf("sensor: left", "sensor: lft"), HasSubstr("sensor: no sensor lft: left, right, below"));

@@ -41,13 +41,6 @@ const Block& recordedEpisodeKeys() {
   return block;
 }
 
-const Block& readoutRandomizationKeys() {
-  static const Block block{
-      .name = "",
-      .keys = rangeKeys(std::array{randomizationField("gain"), randomizationField("gain_spread"), randomizationField("noise")})};
-  return block;
-}
-
 const Block& dataSetKeys() {
   static const Block block{.name = "data_set",
                            .keys = joinKeys(keysOfFields(kNumEpisodesFields), keysOfFields(kSeedFields), keysOfFields(kDataSetFields))};
@@ -80,6 +73,11 @@ const Block& contactPointsKeys() {
 Key conditionsKey() {
   return {"conditions", NestedByName{"a mapping of names to {sensor, randomization}", conditionKeys}, "none",
           "Overrides of sensor and randomization, by name"};
+}
+
+Key graspConditionsKey() {
+  return {"conditions", NestedByName{"a mapping of names to {robot, randomization}", graspConditionKeys}, "none",
+          "Overrides of robot and randomization, by name"};
 }
 
 Key randomizationKey(BlockOf block) {
@@ -137,6 +135,26 @@ const Block& conditionKeys() {
   return block;
 }
 
+const Block& graspConditionKeys() {
+  static const Block block{
+      .name = "",
+      .keys = {{"robot", Nested{robotKeys, "a robot file"}, "the scene's", "Robot with the same joints, and sensors with the same taxels"},
+               {"randomization", Nested{graspRandomizationKeys}, "the scene's", "Each key replaces that key of the scene"}}};
+  return block;
+}
+
+const Block& readoutRandomizationKeys() {
+  static const Block block{
+      .name = "",
+      .keys = rangeKeys(std::array{randomizationField("gain"), randomizationField("gain_spread"), randomizationField("noise")})};
+  return block;
+}
+
+const Block& graspRandomizationKeys() {
+  static const Block block{.name = "", .keys = joinKeys(keysOfFields(kGraspRandomFields), readoutRandomizationKeys().keys)};
+  return block;
+}
+
 const Block& servoRandomizationKeys() {
   static const Block block{.name = "randomization",
                            .keys = joinKeys(rangeKeys(kRandomizationFields), rangeKeys(kServoRandomizationFields)),
@@ -153,16 +171,16 @@ const Block& sceneKeys(Scene::Kind kind) {
   static const Block servo{.name = "scene_servo",
                            .keys = joinKeys(sceneHead(), contactKeys(servoRandomizationKeys), servoOnlyKeys(), sceneTail())};
   static const Block contacts{.name = "scene_contacts", .keys = joinKeys(sceneHead(), contactKeys(randomizationKeys), sceneTail())};
-  static const Block grasp{
-      .name = "scene_grasp",
-      .keys = joinKeys(sceneHead(),
-                       KeyTable{robotKey(kNeeded),
-                                objectsKey(placedObjectKeys),
-                                {"grasp", Nested{graspKeys}, kNeeded, "Fingers and their target forces"},
-                                episodeKey(episodeKeys),
-                                {"randomization", Nested{fieldBlock<kGraspRandomFields>}, "", "Random values of each episode"},
-                                {"task", Nested{graspTaskKeys}, "", "Success criteria of `taxelsim evaluate`"}},
-                       sceneTail())};
+  static const Block grasp{.name = "scene_grasp",
+                           .keys = joinKeys(sceneHead(),
+                                            KeyTable{robotKey(kNeeded),
+                                                     objectsKey(placedObjectKeys),
+                                                     {"grasp", Nested{graspKeys}, kNeeded, "Fingers and their target forces"},
+                                                     episodeKey(episodeKeys),
+                                                     {"randomization", Nested{graspRandomizationKeys}, "", "Random values of each episode"},
+                                                     graspConditionsKey(),
+                                                     {"task", Nested{graspTaskKeys}, "", "Success criteria of `taxelsim evaluate`"}},
+                                            sceneTail())};
   static const Block contact_points{
       .name = "scene_contact_points",
       .keys = joinKeys(sceneHead(),
