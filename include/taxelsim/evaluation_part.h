@@ -8,8 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "taxelsim/contact_misses.h"
 #include "taxelsim/device.h"
 #include "taxelsim/evaluate.h"
+#include "taxelsim/grasp_evaluation.h"
 #include "taxelsim/scene.h"
 #include "taxelsim/verdict.h"
 
@@ -21,10 +23,12 @@ EpisodeRange partOfEpisodes(std::uint64_t num_episodes, std::uint64_t part, std:
 
 /// Verdicts of a range of the episodes of a scene, with everything that determines them.
 struct EvaluationPart {
-  /// Verdicts of one controller or policy.
+  /// Verdicts of one controller, gain or policy.
   struct Verdicts {
-    std::string controller;         ///< Name in the scene, or Policy::name.
-    std::vector<Verdict> verdicts;  ///< (number of episodes of the part), in order of episodes.
+    std::string controller;                  ///< Name in the scene, gainName(), or Policy::name.
+    std::vector<Verdict> verdicts;           ///< (number of episodes of the part), in order of episodes; empty for a scene of kind grasp.
+    std::vector<GraspVerdict> grasps = {};   ///< The same of a scene of kind grasp.
+    std::vector<ContactMisses> misses = {};  ///< (num_fingers) of a scene of kind grasp: GraspEvaluation::misses.
   };
 
   std::string program_version;  ///< Version of taxelsim that played the episodes.
@@ -44,6 +48,13 @@ struct EvaluationPart {
 /// has the controllers that are complete only.
 EvaluationPart evaluatePart(const Device& device, const Scene& scene, const std::vector<std::string>& controllers = {},
                             const EvaluateOptions& options = {});
+
+/// The same for a scene of kind grasp, as evaluateGrasp() does.
+EvaluationPart evaluateGraspPart(const Device& device, const Scene& scene, const std::vector<double>& gains = {},
+                                 const GraspEvaluateOptions& options = {});
+
+/// Name of a gain (1/s) in a part: "gain 10".
+std::string gainName(double gain);
 
 /// The part as JSON text with a SHA-256 of its content (docs/reference/other_files.md). The same part gives the same text.
 std::string evaluationPartText(const EvaluationPart& part);
@@ -68,6 +79,9 @@ struct NamedPart {
 /// Throws Error(kInput), which names the part, if one is of another scene, condition, seed, number of episodes, program version, device,
 /// probe, policy or set of controllers than `scene` and the first part, if overlapping parts differ, or if episodes are missing.
 std::vector<Evaluation> mergeEvaluationParts(const Scene& scene, const std::vector<NamedPart>& parts);
+
+/// The same of evaluateGrasp() and evaluateGraspPart(); parts that overlap count their misses twice. Logs a warning of them.
+std::vector<GraspEvaluation> mergeGraspParts(const Scene& scene, const std::vector<NamedPart>& parts);
 
 /// Throws Error(kInput), which names the part, unless it is of this scene, condition, seed and number of episodes and of this program
 /// version.

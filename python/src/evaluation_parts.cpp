@@ -30,10 +30,26 @@ EvaluationPart runEvaluatePart(const DeviceHandle& device, const Scene& scene, c
   return runInterruptibly<EvaluationPart>(on_progress, run, [](const EvaluationPart&) {});
 }
 
-std::vector<Evaluation> merge(const Scene& scene, const std::vector<std::tuple<std::string, const EvaluationPart*>>& parts) {
-  std::vector<NamedPart> named;
-  for (const auto& [name, part] : parts) named.push_back({.name = name, .part = *part});
-  return mergeEvaluationParts(scene, named);
+EvaluationPart runEvaluateGraspPart(const DeviceHandle& device, const Scene& scene, const std::vector<double>& gains,
+                                    const FirstAndEnd& episodes, int batch_size, const nb::object& on_progress,
+                                    const PolicyArgument& policy) {
+  const auto run = [&](auto report, const std::atomic<bool>& stop, CallingThread& calling_thread) {
+    return evaluateGraspPart(device.get(), scene, gains,
+                             {.batch_size = batch_size,
+                              .on_progress = report,
+                              .stop = &stop,
+                              .episodes = EpisodeRange{std::get<0>(episodes), std::get<1>(episodes)},
+                              .policy = policyOf(policy, scene, calling_thread)});
+  };
+  return runInterruptibly<EvaluationPart>(on_progress, run, [](const EvaluationPart&) {});
+}
+
+using Parts = std::vector<std::tuple<std::string, const EvaluationPart*>>;
+
+std::vector<NamedPart> named(const Parts& parts) {
+  std::vector<NamedPart> all;
+  for (const auto& [name, part] : parts) all.push_back({.name = name, .part = *part});
+  return all;
 }
 
 }  // namespace
@@ -69,7 +85,15 @@ void bindEvaluationParts(nb::module_& module) {
         checkEvaluationPart({.name = name, .part = part}, scene);
       },
       "name"_a, "part"_a, "scene"_a);
-  module.def("merge_evaluation_parts", &merge, "scene"_a, "parts"_a);
+  module.def("evaluate_grasp_part", &runEvaluateGraspPart, "device"_a, "scene"_a, "gains"_a, "episodes"_a, "batch_size"_a,
+             "on_progress"_a.none(), "policy"_a.none());
+  module.def("gain_name", &gainName, "gain"_a);
+  module.def(
+      "merge_evaluation_parts", [](const Scene& scene, const Parts& parts) { return mergeEvaluationParts(scene, named(parts)); }, "scene"_a,
+      "parts"_a);
+  module.def(
+      "merge_grasp_parts", [](const Scene& scene, const Parts& parts) { return mergeGraspParts(scene, named(parts)); }, "scene"_a,
+      "parts"_a);
 }
 
 }  // namespace taxelsim::python

@@ -120,6 +120,8 @@ void bindBatch(nb::module_& module) {
       .def_prop_ro("dt", [](const SharedGrasps& self) { return self.get().dt(); })
       .def_prop_ro("control_period", [](const SharedGrasps& self) { return self.get().controlPeriod(); });
   module.def(
+      "grasp_gain_of", [](const Scene& scene) { return scene.grasp->gain; }, "scene"_a, "1/s, gain of the scene, of kind grasp.");
+  module.def(
       "grasp_task_of",
       [](const Scene& scene) {
         const GraspTask& task = scene.grasp->task;

@@ -107,7 +107,7 @@ from .frame import CleanTactileJacobian, ContactFeatures, Features, Frame, Groun
 from .gradients import Gradient, vjp
 from .grasps import GraspEnvironment, GraspFrame, GraspState
 from .inputs import NO_OBJECT, Inputs
-from .parts import EvaluationPart, evaluate_part, merge_evaluations
+from .parts import EvaluationPart, evaluate_part, merge_evaluations, merge_grasp_evaluations
 from .policies import Comparison, OnnxPolicy, Policy, compare
 from .program import SCENES
 from .runs import Interrupted, evaluate, evaluate_grasp, finish, generate
@@ -228,6 +228,7 @@ __all__ = [
     "make_vec",
     "max_depth_error_of",
     "merge_evaluations",
+    "merge_grasp_evaluations",
     "nominal_force",
     "parse_object",
     "pin_depth",

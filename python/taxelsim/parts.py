@@ -7,11 +7,14 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from . import _core
-from ._core import Device, Evaluation, Progress
+from ._core import Device, Evaluation, GraspEvaluation, Progress, Scene
 from ._files import write_whole
 from .errors import InputError
 from .policies.policy import PolicyLike, as_policy
 from .runs import ScenePath, as_names, loaded_scene, policy_argument, policy_calls
+
+MAX_HANDS = 256
+"""Instances of a hand at a time."""
 
 
 class EvaluationPart:
@@ -70,18 +73,19 @@ class EvaluationPart:
         scene: ScenePath,
         controllers: str | Sequence[str] = (),
         *,
+        gains: Sequence[float] = (),
         policy: PolicyLike | None = None,
         device: Device | None = None,
         name: str = "part",
     ) -> None:
-        """Raises InputError, which begins with `name`, unless it is a part of evaluate() with these arguments by this program version.
+        """Raises InputError, which begins with `name`, unless it is a part of an evaluation with these arguments by this program version.
 
         device: default any. Whether it computes the same values is not checked here, but by merge_evaluations().
         """
         loaded = loaded_scene(scene)
         _core.check_evaluation_part(name, self._core, loaded)
         played = None if policy is None else as_policy(policy)
-        expected = ([] if played is None else [played.name]) + as_names(controllers or (loaded.controllers if played is None else ()))
+        expected = ([] if played is None else [played.name]) + _names(loaded, controllers, gains, played is None)
         pairs = [("policy", self.policy or "none", (played and played.identity) or "none")]
         pairs.append(("set of controllers", ", ".join(self.controllers), ", ".join(expected)))
         if device is not None:
@@ -103,21 +107,37 @@ class EvaluationPart:
         return f"<taxelsim.EvaluationPart: episodes {self.episodes.start} to {self.episodes.stop - 1}, {', '.join(self.controllers)}>"
 
 
+def check_players(scene: Scene, controllers: str | Sequence[str], gains: Sequence[float]) -> None:
+    """Raises InputError for controllers of a scene of kind grasp, and for gains of another."""
+    if scene.kind == Scene.Kind.GRASP and controllers:
+        raise InputError(f"{scene.file}: controllers are not allowed in a scene of kind grasp: gains")
+    if scene.kind != Scene.Kind.GRASP and len(gains):
+        raise InputError(f"{scene.file}: gains are for scenes of kind grasp: the controllers of this scene have their gains")
+
+
+def _names(scene: Scene, controllers: str | Sequence[str], gains: Sequence[float], with_defaults: bool) -> list[str]:
+    """Names of the controllers, or of the gains of a scene of kind grasp; with_defaults: of the scene's own if none are given."""
+    if scene.kind != Scene.Kind.GRASP:
+        return as_names(controllers or (scene.controllers if with_defaults else ()))
+    return [_core.gain_name(float(gain)) for gain in gains or ([_core.grasp_gain_of(scene)] if with_defaults else [])]
+
+
 def evaluate_part(
     scene: ScenePath,
     controllers: str | Sequence[str] = (),
     *,
     episodes: range,
+    gains: Sequence[float] = (),
     policy: PolicyLike | None = None,
     device: Device | None = None,
     batch_size: int = 2048,
     num_slices: int = 2,
     on_progress: Callable[[Progress], object] | None = None,
 ) -> EvaluationPart:
-    """Plays some episodes of evaluate(), for merge_evaluations().
+    """Plays some episodes of evaluate(), or in a scene of kind grasp of evaluate_grasp(), for merge_evaluations().
 
     episodes: numbers of the episodes, a range with step 1 that is not empty, within the episodes of the scene.
-    Other arguments: as of evaluate().
+    Other arguments: as of evaluate() and evaluate_grasp().
 
     Ctrl-C raises KeyboardInterrupt; there is no part then.
     """
@@ -129,6 +149,10 @@ def evaluate_part(
     argument = policy_argument(policy_calls(policy, loaded))
     limits = (episodes.start, episodes.stop)
     opened = device or Device.open()
+    check_players(loaded, controllers, gains)
+    if loaded.kind == Scene.Kind.GRASP:
+        size, numbers = min(batch_size, MAX_HANDS), [float(gain) for gain in gains]
+        return EvaluationPart(_core.evaluate_grasp_part(opened, loaded, numbers, limits, size, on_progress, argument))
     return EvaluationPart(_core.evaluate_part(opened, loaded, as_names(controllers), limits, batch_size, num_slices, on_progress, argument))
 
 
@@ -148,10 +172,33 @@ def merge_evaluations(
     controllers, a damaged one, parts that contradict each other, and missing episodes.
     """
     loaded = loaded_scene(scene)
+    return _core.merge_evaluation_parts(loaded, _checked_parts(loaded, parts, controllers, (), policy))
+
+
+def merge_grasp_evaluations(
+    scene: ScenePath,
+    parts: Iterable[EvaluationPart | str | os.PathLike[str]],
+    gains: Sequence[float] = (),
+    *,
+    policy: PolicyLike | None = None,
+) -> list[GraspEvaluation]:
+    """The evaluations of evaluate_grasp(scene, gains, policy=policy) from parts of it, bit for bit; as merge_evaluations()."""
+    loaded = loaded_scene(scene)
+    return _core.merge_grasp_parts(loaded, _checked_parts(loaded, parts, (), gains, policy))
+
+
+def _checked_parts(
+    scene: Scene,
+    parts: Iterable[EvaluationPart | str | os.PathLike[str]],
+    controllers: str | Sequence[str],
+    gains: Sequence[float],
+    policy: PolicyLike | None,
+) -> list[tuple[str, _core.EvaluationPart]]:
+    """The parts with their names in messages, checked."""
     named = []
     for number, part in enumerate(parts):
         name = f"part {number}" if isinstance(part, EvaluationPart) else os.fspath(part)
         content = part if isinstance(part, EvaluationPart) else EvaluationPart.load(part)
-        content.check(loaded, controllers, policy=policy, name=name)
+        content.check(scene, controllers, gains=gains, policy=policy, name=name)
         named.append((name, content._core))
-    return _core.merge_evaluation_parts(loaded, named)
+    return named

@@ -18,6 +18,7 @@
 #include "cli/processes.h"
 #include "cli/run_display.h"
 #include "cli/scene_options.h"
+#include "episodes/contact_misses.h"
 #include "figures/text.h"
 #include "taxelsim/error.h"
 
@@ -34,28 +35,58 @@ struct EvaluateArguments : SceneOptions, PartOptions {
   int num_processes = 1;
 };
 
-// Names of the controllers to evaluate.
+// Names of the controllers, or of the gains, to evaluate.
 std::vector<std::string> namesOf(const EvaluateArguments& arguments, const Scene& scene) {
+  if (scene.grasp) {
+    std::vector<std::string> names;
+    for (const double gain : arguments.gains.empty() ? std::vector{scene.grasp->gain} : arguments.gains) names.push_back(gainName(gain));
+    return names;
+  }
   if (!arguments.controllers.empty()) return arguments.controllers;
   std::vector<std::string> names;
   for (const SceneController& controller : scene.controllers) names.push_back(controller.name);
   return names;
 }
 
+// Reports the parts together. Returns the number of controllers or gains.
+std::size_t reportParts(const EvaluateArguments& arguments, const Scene& scene, const std::vector<NamedPart>& parts) {
+  const std::string& device = parts.front().part.device;
+  const std::size_t num_evaluations = parts.front().part.evaluations.size();
+  if (num_evaluations == 0) return 0;
+  if (scene.grasp) {
+    reportGrasps(arguments.report, scene, device, mergeGraspParts(scene, parts));
+  } else {
+    reportEvaluations(arguments.report, scene, device, mergeEvaluationParts(scene, parts));
+  }
+  return num_evaluations;
+}
+
+void checkKind(const EvaluateArguments& arguments, const Scene& scene) {
+  if (scene.grasp && !arguments.controllers.empty())
+    throw Error(ErrorKind::kInput, "--controller: a scene of kind grasp has no controllers; --gain");
+  if (!scene.grasp && !arguments.gains.empty())
+    throw Error(ErrorKind::kInput, "--gain is for scenes of kind grasp: the controllers of this scene have their gains");
+}
+
 int mergeParts(const EvaluateArguments& arguments) {
   const Scene scene = loadScene(arguments.scene, arguments.overrides);
-  if (scene.kind == Scene::Kind::kGrasp) throw Error(ErrorKind::kInput, "--merge: a scene of kind grasp has no parts of an evaluation");
-  const std::vector<NamedPart> parts = partsIn(arguments.merged, namesOf(arguments, scene));
-  reportEvaluations(arguments.report, scene, parts.front().part.device, mergeEvaluationParts(scene, parts));
+  checkKind(arguments, scene);
+  reportParts(arguments, scene, partsIn(arguments.merged, namesOf(arguments, scene)));
   return kExitOk;
+}
+
+// What plays the episodes of a scene.
+const char* playerOf(const Scene& scene) {
+  return scene.grasp ? "gain" : "controller";
 }
 
 // As `report`, but first logs what is evaluated on which device.
 std::function<void(const Progress&)> announced(const Scene& scene, const EpisodeRange& episodes, const Device& device,
                                                const std::function<void(const Progress&)>& report) {
-  return [=, title = sceneTitle(scene), info = device.info(), is_announced = false](const Progress& progress) mutable {
+  return [=, title = sceneTitle(scene), player = playerOf(scene), info = device.info(),
+          is_announced = false](const Progress& progress) mutable {
     if (!std::exchange(is_announced, true))
-      spdlog::info("{}: {} episodes per controller on {} ({})", title, countText(episodes.size()), info.name, info.driver);
+      spdlog::info("{}: {} episodes per {} on {} ({})", title, countText(episodes.size()), player, info.name, info.driver);
     report(progress);
   };
 }
@@ -65,8 +96,11 @@ void append(EvaluationPart& part, const EvaluationPart& next) {
   part.episodes.end = next.episodes.end;
   part.evaluations.resize(std::min(part.evaluations.size(), next.evaluations.size()));
   for (std::size_t c = 0; c < part.evaluations.size(); ++c) {
-    const std::vector<Verdict>& verdicts = next.evaluations[c].verdicts;
-    part.evaluations[c].verdicts.insert(part.evaluations[c].verdicts.end(), verdicts.begin(), verdicts.end());
+    EvaluationPart::Verdicts& sum = part.evaluations[c];
+    const EvaluationPart::Verdicts& more = next.evaluations[c];
+    sum.verdicts.insert(sum.verdicts.end(), more.verdicts.begin(), more.verdicts.end());
+    sum.grasps.insert(sum.grasps.end(), more.grasps.begin(), more.grasps.end());
+    for (std::size_t f = 0; f < sum.misses.size(); ++f) add(sum.misses[f], more.misses[f]);
   }
 }
 
@@ -75,12 +109,16 @@ EvaluationPart playRange(const EvaluateArguments& arguments, const Scene& scene,
   const std::vector<std::string> results = runProcesses(num_processes, [&](const Process& process) {
     const auto [first, end] =
         partOfEpisodes(episodes.size(), static_cast<std::uint64_t>(process.number) + 1, static_cast<std::uint64_t>(num_processes));
-    EvaluateOptions options;
-    options.batch_size = batchShare(arguments.batch_size, num_processes);
-    options.episodes = EpisodeRange{.first = episodes.first + first, .end = episodes.first + end};
-    options.stop = &process.stop;
+    const EpisodeRange own{.first = episodes.first + first, .end = episodes.first + end};
     const Device device = openDevice(arguments);
-    options.on_progress = announced(scene, episodes, device, process.report);
+    const std::function<void(const Progress&)> report = announced(scene, episodes, device, process.report);
+    if (scene.grasp) {
+      GraspEvaluateOptions options{.on_progress = report, .stop = &process.stop, .episodes = own};
+      options.batch_size = batchShare(std::min(arguments.batch_size, options.batch_size), num_processes);
+      return evaluationPartText(evaluateGraspPart(device, scene, arguments.gains, options));
+    }
+    EvaluateOptions options{.on_progress = report, .stop = &process.stop, .episodes = own};
+    options.batch_size = batchShare(arguments.batch_size, num_processes);
     return evaluationPartText(evaluatePart(device, scene, arguments.controllers, options));
   });
   EvaluationPart played = parseEvaluationPart(results.front(), "process 1");
@@ -96,14 +134,14 @@ int playPart(const EvaluateArguments& arguments, const Scene& scene, const Episo
   if (!is_played) {
     const EvaluationPart part = playRange(arguments, scene, episodes, num_processes);
     if (stopOnSignals()) {
-      spdlog::warn("stopped: {} of {} controllers were evaluated, nothing is written", part.evaluations.size(), names.size());
+      spdlog::warn("stopped: {} of {} {}s were evaluated, nothing is written", part.evaluations.size(), names.size(), playerOf(scene));
       return kExitInterrupted;
     }
     createDirectories(arguments.directory);
     writeEvaluationPart(file, part);
   }
-  printOut("{}: {} episodes per controller{}; `taxelsim evaluate --merge {}` puts the parts together\n", file.string(),
-           countText(episodes.size()), is_played ? " found on disk" : "", arguments.directory);
+  printOut("{}: {} episodes per {}{}; `taxelsim evaluate --merge {}` puts the parts together\n", file.string(), countText(episodes.size()),
+           playerOf(scene), is_played ? " found on disk" : "", arguments.directory);
   return kExitOk;
 }
 
@@ -111,9 +149,7 @@ int playPart(const EvaluateArguments& arguments, const Scene& scene, const Episo
 std::size_t evaluateInProcesses(const EvaluateArguments& arguments, const Scene& scene, const EpisodeRange& episodes, int num_processes) {
   std::vector<NamedPart> parts(1);
   parts[0] = {.name = "this evaluation", .part = playRange(arguments, scene, episodes, num_processes)};
-  const std::vector<Evaluation> evaluations = mergeEvaluationParts(scene, parts);
-  if (!evaluations.empty()) reportEvaluations(arguments.report, scene, parts[0].part.device, evaluations);
-  return evaluations.size();
+  return reportParts(arguments, scene, parts);
 }
 
 // The same in this process. Reports the complete controllers also if the device is lost after them.
@@ -144,22 +180,10 @@ std::size_t evaluateAlone(const EvaluateArguments& arguments, const Scene& scene
   return evaluations.size();
 }
 
-int runGrasp(const EvaluateArguments& arguments, const Scene& scene) {
-  const auto refuse = [](bool given, const std::string& what) {
-    if (given) throw Error(ErrorKind::kInput, what + ": a scene of kind grasp is evaluated as a whole, and has no controllers; --gain");
-  };
-  refuse(!arguments.controllers.empty(), "--controller");
-  refuse(!arguments.episodes.empty(), "--episode-range");
-  refuse(!arguments.part.empty(), "--part");
-  return evaluateGraspScene(arguments, scene, arguments.gains, arguments.report, arguments.num_processes);
-}
-
 int runEvaluate(const EvaluateArguments& arguments) {
   if (!arguments.merged.empty()) return mergeParts(arguments);
   const Scene scene = loadSceneOf(arguments);
-  if (scene.kind == Scene::Kind::kGrasp) return runGrasp(arguments, scene);
-  if (!arguments.gains.empty())
-    throw Error(ErrorKind::kInput, "--gain is for scenes of kind grasp: the controllers of this scene have their gains");
+  checkKind(arguments, scene);
   const EpisodeRange all{.first = 0, .end = scene.num_episodes};
   const EpisodeRange episodes = chosenEpisodes(arguments, scene.num_episodes).value_or(all);
   if (episodes.size() == 0) {
@@ -169,10 +193,10 @@ int runEvaluate(const EvaluateArguments& arguments) {
   const int num_processes = usableProcesses(arguments.num_processes, episodes.size());
   setDriverThreads(num_processes);
   if (!arguments.directory.empty()) return playPart(arguments, scene, episodes, num_processes);
-  const std::size_t num_evaluated =
-      num_processes > 1 ? evaluateInProcesses(arguments, scene, episodes, num_processes) : evaluateAlone(arguments, scene, episodes);
+  const std::size_t num_evaluated = num_processes > 1 || scene.grasp ? evaluateInProcesses(arguments, scene, episodes, num_processes)
+                                                                     : evaluateAlone(arguments, scene, episodes);
   if (!stopOnSignals()) return kExitOk;
-  spdlog::warn("stopped: {} of {} controllers are evaluated", num_evaluated, namesOf(arguments, scene).size());
+  spdlog::warn("stopped: {} of {} {} are evaluated", num_evaluated, namesOf(arguments, scene).size(), std::string(playerOf(scene)) + "s");
   return kExitInterrupted;
 }
 

@@ -7,16 +7,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "cli/commands.h"
-#include "cli/driver_threads.h"
 #include "cli/evaluation_report.h"
-#include "cli/interrupt.h"
 #include "cli/print.h"
-#include "cli/processes.h"
-#include "episodes/contact_misses.h"
 #include "figures/line_chart.h"
 #include "figures/text.h"
-#include "taxelsim/evaluation_part.h"
 #include "taxelsim/grasp_evaluation.h"
 
 namespace taxelsim::cli {
@@ -121,76 +115,18 @@ void drawChart(const std::string& file, const Scene& scene, const std::vector<Gr
                  {.title = scene.name, .subtitle = countText(scene.num_episodes) + " episodes per gain", .num_columns = num_columns});
 }
 
-// Result of a process: the device and a zero, then of each gain the misses by finger and the verdicts by episode and finger.
-std::string bytesOf(const std::string& device, const std::vector<GraspEvaluation>& evaluations) {
-  std::string bytes = device + '\0';
-  for (const GraspEvaluation& evaluation : evaluations) {
-    putValues<ContactMisses>(bytes, evaluation.misses);
-    for (const GraspVerdict& verdict : evaluation.verdicts) putValues<FingerVerdict>(bytes, verdict.fingers);
-  }
-  return bytes;
-}
-
-// The next gain, from the results of all processes, from which it is taken.
-GraspEvaluation nextEvaluation(const Scene& scene, double gain, std::vector<std::string_view>& results) {
-  const std::size_t num_fingers = scene.grasp->fingers.size();
-  std::vector<GraspVerdict> verdicts;
-  std::vector<ContactMisses> sum(num_fingers);
-  for (std::size_t number = 0; number < results.size(); ++number) {
-    for (std::size_t finger = 0; const ContactMisses& misses : takeValues<ContactMisses>(results[number], num_fingers))
-      add(sum[finger++], misses);
-    const auto [first, end] = partOfEpisodes(scene.num_episodes, number + 1, results.size());
-    for (std::uint64_t episode = first; episode < end; ++episode) {
-      GraspVerdict verdict{.episode = episode, .fingers = takeValues<FingerVerdict>(results[number], num_fingers)};
-      verdict.success = std::ranges::all_of(verdict.fingers, &FingerVerdict::held);
-      verdicts.push_back(std::move(verdict));
-    }
-  }
-  return graspEvaluationOf(scene, gain, std::move(verdicts), std::move(sum));
-}
-
 }  // namespace
 
-int evaluateGraspScene(const SceneOptions& options, const Scene& scene, const std::vector<double>& gains, const EvaluationReport& report,
-                       int num_processes) {
-  num_processes = usableProcesses(num_processes, scene.num_episodes);
-  setDriverThreads(num_processes);
-  const std::vector<std::string> results = runProcesses(num_processes, [&](const Process& process) {
-    GraspEvaluateOptions evaluate;
-    evaluate.batch_size = batchShare(std::min(options.batch_size, evaluate.batch_size), num_processes);
-    evaluate.stop = &process.stop;
-    evaluate.on_progress = process.report;
-    evaluate.episodes =
-        partOfEpisodes(scene.num_episodes, static_cast<std::uint64_t>(process.number) + 1, static_cast<std::uint64_t>(num_processes));
-    const Device device = openDevice(options);
-    return bytesOf(deviceText(device.info()), evaluateGrasp(device, scene, gains, evaluate));
-  });
-  const std::vector<double> all_gains = gains.empty() ? std::vector{scene.grasp->gain} : gains;
-  std::vector<GraspEvaluation> evaluations;
-  std::vector<ContactMisses> misses(scene.grasp->fingers.size());
-  const std::string device = results.front().c_str();
-  std::vector<std::string_view> left(results.begin(), results.end());
-  for (std::string_view& result : left) result.remove_prefix(result.find('\0') + 1);
-  const auto isComplete = [&] { return std::ranges::none_of(left, &std::string_view::empty); };
-  while (evaluations.size() < all_gains.size() && isComplete()) {
-    evaluations.push_back(nextEvaluation(scene, all_gains[evaluations.size()], left));
-    for (std::size_t finger = 0; finger < misses.size(); ++finger) add(misses[finger], evaluations.back().misses[finger]);
+void reportGrasps(const EvaluationReport& report, const Scene& scene, const std::string& device,
+                  const std::vector<GraspEvaluation>& evaluations) {
+  if (report.json) {
+    printJson(scene, device, evaluations);
+  } else {
+    printTable(scene, evaluations);
   }
-  if (evaluations.size() == all_gains.size()) warnOfContactMisses(scene, misses);
-  if (!evaluations.empty()) {
-    if (report.json) {
-      printJson(scene, device, evaluations);
-    } else {
-      printTable(scene, evaluations);
-    }
-    if (!report.png.empty()) {
-      drawChart(report.png, scene, evaluations);
-      spdlog::info("wrote {}", report.png);
-    }
-  }
-  if (!stopOnSignals()) return kExitOk;
-  spdlog::warn("stopped: {} of {} gains are evaluated", evaluations.size(), all_gains.size());
-  return kExitInterrupted;
+  if (report.png.empty()) return;
+  drawChart(report.png, scene, evaluations);
+  spdlog::info("wrote {}", report.png);
 }
 
 }  // namespace taxelsim::cli

@@ -1,16 +1,16 @@
 // `taxelsim evaluate` of a scene of kind grasp.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "cli/evaluation_report.h"
-#include "cli/scene_options.h"
+#include "taxelsim/grasp_evaluation.h"
 
 namespace taxelsim::cli {
 
-// Evaluates the fingers with each of the gains (1/s), or with that of the scene if there are none, by at most so many processes, and prints
-// the result. Returns the exit code.
-int evaluateGraspScene(const SceneOptions& options, const Scene& scene, const std::vector<double>& gains, const EvaluationReport& report,
-                       int num_processes);
+// Prints the evaluations of some gains, one or more, as a table or JSON, and draws the figure, as `report` says.
+void reportGrasps(const EvaluationReport& report, const Scene& scene, const std::string& device,
+                  const std::vector<GraspEvaluation>& evaluations);
 
 }  // namespace taxelsim::cli

@@ -1,5 +1,6 @@
 #include "evaluation/part_text.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -8,6 +9,7 @@
 #include "base/files.h"
 #include "base/sha256.h"
 #include "taxelsim/error.h"
+#include "taxelsim/robot.h"
 
 namespace taxelsim {
 namespace {
@@ -38,11 +40,44 @@ void visitMembers(AnyVerdict& verdict, Visit visit) {
   visit(verdict.load_reached);
 }
 
-std::size_t verdictBytes() {
+// The same of a finger.
+template <typename AnyVerdict, typename Visit>
+requires std::is_same_v<std::remove_const_t<AnyVerdict>, FingerVerdict>
+void visitMembers(AnyVerdict& verdict, Visit visit) {
+  visit(verdict.held);
+  visit(verdict.target);
+  visit(verdict.force_error);
+  visit(verdict.settling_time);
+  visit(verdict.peak_force);
+  visit(verdict.drift);
+  visit(verdict.num_losses);
+}
+
+// The same of the misses of a finger.
+template <typename AnyVerdict, typename Visit>
+requires std::is_same_v<std::remove_const_t<AnyVerdict>, ContactMisses>
+void visitMembers(AnyVerdict& misses, Visit visit) {
+  visit(misses.num_episodes);
+  visit(misses.num_misses);
+  visit(misses.nearest);
+}
+
+template <typename Record>
+std::size_t recordBytes() {
   std::size_t size = 0;
-  const Verdict verdict;
-  visitMembers(verdict, [&](const auto& member) { size += sizeof member; });
+  const Record record{};
+  visitMembers(record, [&](const auto& member) { size += sizeof member; });
   return size;
+}
+
+template <typename Record>
+void appendDigits(std::string& digits, const Record& record) {
+  visitMembers(record, [&](const auto& member) {
+    for (const std::byte byte : std::as_bytes(std::span(&member, 1))) {
+      digits += kDigits[std::to_integer<unsigned>(byte >> 4)];
+      digits += kDigits[std::to_integer<unsigned>(byte & std::byte{15})];
+    }
+  });
 }
 
 class Parser {
@@ -72,10 +107,7 @@ class Parser {
     const auto& [first, end] = part.episodes;
     if (first >= end || end > part.num_episodes || part.num_episodes > kMaxVerdicts)
       fail("episodes " + std::to_string(first) + " to " + std::to_string(end) + " of " + std::to_string(part.num_episodes) + " found");
-    for (const Json& evaluation : arrayOf(json_, "evaluations")) {
-      part.evaluations.push_back(
-          {.controller = textOf(evaluation, "controller"), .verdicts = verdictsOf(textOf(evaluation, "verdicts"), part.episodes)});
-    }
+    for (const Json& evaluation : arrayOf(json_, "evaluations")) part.evaluations.push_back(verdictsOf(evaluation, part.episodes));
     return part;
   }
 
@@ -109,11 +141,33 @@ class Parser {
     return static_cast<std::byte>((high - kDigits) << 4 | (low - kDigits));
   }
 
-  std::vector<Verdict> verdictsOf(const std::string& digits, const EpisodeRange& episodes) const {
-    const std::size_t expected = 2 * verdictBytes() * episodes.size();
+  EvaluationPart::Verdicts verdictsOf(const Json& evaluation, const EpisodeRange& episodes) const {
+    EvaluationPart::Verdicts read{.controller = textOf(evaluation, "controller"), .verdicts = {}, .grasps = {}, .misses = {}};
+    const std::string digits = textOf(evaluation, "verdicts");
+    if (!evaluation.contains("num_fingers")) {
+      read.verdicts = recordsOf<Verdict>(digits, episodes.size());
+      for (std::size_t k = 0; k < read.verdicts.size(); ++k) read.verdicts[k].episode = episodes.first + k;
+      return read;
+    }
+    const std::uint64_t num_fingers = unsignedOf(evaluation, "num_fingers");
+    if (num_fingers < 1 || num_fingers > kMaxJoints) fail("num_fingers: " + std::to_string(num_fingers) + " is not allowed");
+    read.misses = recordsOf<ContactMisses>(textOf(evaluation, "misses"), num_fingers);
+    const std::vector<FingerVerdict> fingers = recordsOf<FingerVerdict>(digits, episodes.size() * num_fingers);
+    for (std::uint64_t k = 0; k < episodes.size(); ++k) {
+      const auto first = fingers.begin() + static_cast<std::ptrdiff_t>(k * num_fingers);
+      GraspVerdict verdict{.episode = episodes.first + k, .fingers = {first, first + static_cast<std::ptrdiff_t>(num_fingers)}};
+      verdict.success = std::ranges::all_of(verdict.fingers, &FingerVerdict::held);
+      read.grasps.push_back(std::move(verdict));
+    }
+    return read;
+  }
+
+  template <typename Record>
+  std::vector<Record> recordsOf(const std::string& digits, std::size_t count) const {
+    const std::size_t expected = 2 * recordBytes<Record>() * count;
     if (digits.size() != expected)
       fail("verdicts: " + std::to_string(digits.size()) + " digits are not allowed: " + std::to_string(expected));
-    std::vector<Verdict> verdicts(episodes.size());
+    std::vector<Record> records(count);
     std::size_t next = 0;
     const auto read = [&](auto& member) {
       for (std::byte& byte : std::as_writable_bytes(std::span(&member, 1))) {
@@ -121,9 +175,8 @@ class Parser {
         next += 2;
       }
     };
-    for (std::size_t k = 0; k < verdicts.size(); ++k) {
-      verdicts[k].episode = episodes.first + k;
-      visitMembers(verdicts[k], [&](auto& member) {
+    for (Record& record : records) {
+      visitMembers(record, [&](auto& member) {
         if constexpr (std::is_same_v<decltype(member), bool&>) {
           std::uint8_t flag = 0;
           read(flag);
@@ -134,7 +187,7 @@ class Parser {
         }
       });
     }
-    return verdicts;
+    return records;
   }
 
   std::string name_;
@@ -145,14 +198,15 @@ class Parser {
 
 std::string digitsOf(std::span<const Verdict> verdicts) {
   std::string digits;
-  digits.reserve(2 * verdictBytes() * verdicts.size());
-  for (const Verdict& verdict : verdicts) {
-    visitMembers(verdict, [&](const auto& member) {
-      for (const std::byte byte : std::as_bytes(std::span(&member, 1))) {
-        digits += kDigits[std::to_integer<unsigned>(byte >> 4)];
-        digits += kDigits[std::to_integer<unsigned>(byte & std::byte{15})];
-      }
-    });
+  digits.reserve(2 * recordBytes<Verdict>() * verdicts.size());
+  for (const Verdict& verdict : verdicts) appendDigits(digits, verdict);
+  return digits;
+}
+
+std::string digitsOf(std::span<const GraspVerdict> verdicts) {
+  std::string digits;
+  for (const GraspVerdict& verdict : verdicts) {
+    for (const FingerVerdict& finger : verdict.fingers) appendDigits(digits, finger);
   }
   return digits;
 }
@@ -171,7 +225,17 @@ std::string evaluationPartText(const EvaluationPart& part) {
             {"end_episode", part.episodes.end},
             {"evaluations", Json::array()}};
   for (const EvaluationPart::Verdicts& evaluation : part.evaluations) {
-    json["evaluations"].push_back({{"controller", evaluation.controller}, {"verdicts", digitsOf(evaluation.verdicts)}});
+    Json entry{{"controller", evaluation.controller}};
+    if (evaluation.grasps.empty()) {
+      entry["verdicts"] = digitsOf(evaluation.verdicts);
+    } else {
+      entry["num_fingers"] = evaluation.misses.size();
+      entry["verdicts"] = digitsOf(evaluation.grasps);
+      std::string misses;
+      for (const ContactMisses& finger : evaluation.misses) appendDigits(misses, finger);
+      entry["misses"] = misses;
+    }
+    json["evaluations"].push_back(std::move(entry));
   }
   const std::string content = json.dump();
   json["sha256"] = sha256Hex(std::as_bytes(std::span(content)));

@@ -11,5 +11,6 @@ namespace taxelsim {
 
 // Equal for verdicts with the same bytes only; the numbers of the episodes are left out.
 std::string digitsOf(std::span<const Verdict> verdicts);
+std::string digitsOf(std::span<const GraspVerdict> verdicts);
 
 }  // namespace taxelsim

@@ -98,7 +98,7 @@ void play(const Model& model, const Scene& scene, const Players& players, const 
       if (options.on_progress) options.on_progress(progress);
     });
     if (options.stop && *options.stop) break;
-    on_complete({names[p], std::move(verdicts)});
+    on_complete({.controller = names[p], .verdicts = std::move(verdicts), .grasps = {}, .misses = {}});
   }
 }
 

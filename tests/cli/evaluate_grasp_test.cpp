@@ -38,19 +38,27 @@ TEST(EvaluateGraspScene, TableHasARowPerFinger) {
     EXPECT_THAT(outcome.out, HasSubstr(text)) << text << outcome.out;
 }
 
+TEST(EvaluateGraspScene, PartsTogetherPrintWhatOneProcessPrints) {
+  const TemporaryDirectory root;
+  const std::vector<std::string> words{"evaluate", kScene, "--episodes", "3", "--gain", "20", "--gain", "5"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), words.begin(), words.end());
+    return more;
+  };
+  for (const char* const part : {"1/2", "2/2", "2/2"}) succeed(with({"--part", part, "-o", root / "out"}));
+  EXPECT_EQ(succeed(with({"--merge", root / "out", "--json"})).out, succeed(with({"--json"})).out);
+}
+
 TEST(EvaluateGraspScene, RefusesOptionsOfOtherScenes) {
   const TemporaryDirectory root;
-  const std::vector<std::vector<std::string>> all{{"--controller", "a"},
-                                                  {"--part", "1/2", "-o", root / "out"},
-                                                  {"--merge", root / "out"},
-                                                  {"--episode-range", "0..1", "-o", root / "out"},
-                                                  {"--gain", "0"}};
+  const std::vector<std::vector<std::string>> all{
+      {"--controller", "a"}, {"--merge", root / "out"}, {"--episode-range", "0..64", "-o", root / "out"}, {"--gain", "0"}};
   for (const std::vector<std::string>& options : all) {
     std::vector<std::string> words{"evaluate", kScene};
     words.insert(words.end(), options.begin(), options.end());
     const Outcome outcome = runTaxelsim(words);
     EXPECT_EQ(outcome.status, 2) << options[0];
-    EXPECT_THAT(outcome.err, HasSubstr(options[0] == "--gain" ? "gain" : options[0]));
+    EXPECT_THAT(outcome.err, HasSubstr(options[0] == "--gain" ? "gain" : options[0] == "--merge" ? "is not a directory" : options[0]));
     EXPECT_EQ(outcome.err.find('\n'), outcome.err.size() - 1) << outcome.err;
   }
   writeSmallTask(root / "small.yaml");

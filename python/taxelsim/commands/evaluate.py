@@ -7,19 +7,20 @@ import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from .._core import TASK_MEASURES, Device, Evaluation, Progress, Scene, Score, load_scene
 from ..errors import InputError
-from ..parts import EvaluationPart, evaluate_part, merge_evaluations
+from ..parts import MAX_HANDS, EvaluationPart, check_players, evaluate_part, merge_evaluations, merge_grasp_evaluations
 from ..policies.actions import COMMANDS
 from ..policies.failures import failed_episodes
 from ..policies.observations import OBSERVATIONS
 from ..policies.policy import Policy, as_policy
 from ..policies.statistics import Comparison, compare
-from ..runs import Interrupted, evaluate
-from . import evaluate_grasp
+from ..runs import Interrupted, evaluate, evaluate_grasp
+from .evaluate_grasp import print_grasps
 from .evaluate_parts import add_part_arguments, chosen_episodes, part_file, part_files
 from .evaluation_table import plain, quantiles_text, rate_text, table_text
 from .running import run_command
@@ -76,10 +77,7 @@ def _run(options: argparse.Namespace) -> int:
         image_unit=options.image_unit,
     )
     scene = load_scene(options.scene, num_episodes=options.episodes, seed=options.seed, condition=options.condition)
-    if scene.kind == Scene.Kind.GRASP:
-        return evaluate_grasp.run(options, scene, policy, _show_progress if sys.stderr.isatty() else None)
-    if options.gain:
-        raise InputError("--gain: is for scenes of kind grasp: the controllers of this scene have their gains")
+    check_players(scene, options.controller, options.gain)
     unknown = [name for name in options.controller if name not in scene.controllers]
     if unknown:
         raise InputError(f"--controller {unknown[0]}: not in this scene; it has {', '.join(scene.controllers)}")
@@ -93,28 +91,35 @@ def _run(options: argparse.Namespace) -> int:
         evaluations = _evaluations(options, scene, policy)
     except Interrupted as interrupt:
         interrupted, evaluations = True, interrupt.partial
-        print(f"interrupted: {len(evaluations)} of {1 + len(options.controller)} policies and controllers are complete", file=sys.stderr)
+        num_players = 1 + len(options.controller) + len(options.gain)
+        print(f"interrupted: {len(evaluations)} of {num_players} policies and controllers are complete", file=sys.stderr)
     if options.save_failures and not interrupted:
         failed = len(failed_episodes(evaluations[0]))
         print(f"wrote {min(failed, options.max_failures)} of {failed} failed episodes to {options.save_failures}", file=sys.stderr)
+    if scene.kind == Scene.Kind.GRASP:
+        print_grasps(scene, evaluations, options.json)
+        return 130 if interrupted else 0
     comparisons = [_compared(evaluations[0], control) for control in evaluations[1:]]
     print(_json(scene, evaluations, comparisons) if options.json else _table(scene, evaluations, comparisons))
     return 130 if interrupted else 0
 
 
-def _evaluations(options: argparse.Namespace, scene: Scene, policy: Policy) -> list[Evaluation]:
+def _evaluations(options: argparse.Namespace, scene: Scene, policy: Policy) -> list[Any]:
     if options.merge is not None:
-        return merge_evaluations(scene, part_files(options.merge), options.controller, policy=policy)
-    return evaluate(
-        scene,
-        options.controller,
-        policy=policy,
-        save_failures=options.save_failures,
-        max_failures=options.max_failures,
-        device=Device.open(options.device),
-        batch_size=options.batch_size,
-        on_progress=_show_progress if sys.stderr.isatty() else None,
-    )
+        files = part_files(options.merge)
+        if scene.kind == Scene.Kind.GRASP:
+            return merge_grasp_evaluations(scene, files, options.gain, policy=policy)
+        return merge_evaluations(scene, files, options.controller, policy=policy)
+    common: dict[str, Any] = {
+        "policy": policy,
+        "save_failures": options.save_failures,
+        "max_failures": options.max_failures,
+        "device": Device.open(options.device),
+        "on_progress": _show_progress if sys.stderr.isatty() else None,
+    }
+    if scene.kind == Scene.Kind.GRASP:
+        return evaluate_grasp(scene, options.gain, batch_size=min(options.batch_size, MAX_HANDS), **common)
+    return evaluate(scene, options.controller, batch_size=options.batch_size, **common)
 
 
 def _play_part(options: argparse.Namespace, scene: Scene, policy: Policy, episodes: range) -> int:
@@ -124,13 +129,14 @@ def _play_part(options: argparse.Namespace, scene: Scene, policy: Policy, episod
     file, device = part_file(options.output, episodes), Device.open(options.device)
     if file.exists():
         found = EvaluationPart.load(file)
-        found.check(scene, options.controller, policy=policy, device=device, name=str(file))
+        found.check(scene, options.controller, gains=options.gain, policy=policy, device=device, name=str(file))
     else:
         progress = _show_progress if sys.stderr.isatty() else None
         part = evaluate_part(
             scene,
             options.controller,
             episodes=episodes,
+            gains=options.gain,
             policy=policy,
             device=device,
             batch_size=options.batch_size,

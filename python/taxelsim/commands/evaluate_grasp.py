@@ -2,57 +2,24 @@
 
 from __future__ import annotations
 
-import argparse
 import json
-import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
-from .._core import Device, FingerScore, GraspEvaluation, Progress, Scene
-from ..errors import InputError
-from ..policies.failures import failed_episodes
-from ..policies.policy import Policy
+from .._core import FingerScore, GraspEvaluation, Scene, gain_name
 from ..policies.statistics import Comparison, compare
-from ..runs import Interrupted, evaluate_grasp
 from .evaluation_table import plain, quantiles_text, rate_text, table_text
 
-MAX_BATCH_SIZE = 256
-"""Instances of a hand at a time."""
 
-
-def run(options: argparse.Namespace, scene: Scene, policy: Policy, on_progress: Callable[[Progress], None] | None) -> int:
-    """Evaluates the policy and the gains of the options, and prints a table or JSON. Returns the exit status."""
-    for given, name in ((options.controller, "--controller"), (options.episode_range, "--episode-range"), (options.part, "--part")):
-        if given:
-            raise InputError(f"{name}: a scene of kind grasp is evaluated as a whole, and has no controllers; --gain")
-    if options.merge is not None:
-        raise InputError("--merge: a scene of kind grasp has no parts of an evaluation")
-    status, evaluations = 0, []
-    try:
-        evaluations = evaluate_grasp(
-            scene,
-            options.gain,
-            policy=policy,
-            save_failures=options.save_failures,
-            max_failures=options.max_failures,
-            device=Device.open(options.device),
-            batch_size=min(options.batch_size, MAX_BATCH_SIZE),
-            on_progress=on_progress,
-        )
-    except Interrupted as interrupt:
-        status, evaluations = 130, interrupt.partial
-        print(f"interrupted: {len(evaluations)} of {1 + len(options.gain)} policies and gains are complete", file=sys.stderr)
-    if options.save_failures and status == 0:
-        failed = len(failed_episodes(evaluations[0]))
-        print(f"wrote {min(failed, options.max_failures)} of {failed} failed episodes to {options.save_failures}", file=sys.stderr)
+def print_grasps(scene: Scene, evaluations: Sequence[GraspEvaluation], as_json: bool) -> None:
+    """Prints the evaluations of a policy and of gains, and their differences, as a table or as JSON."""
     comparisons = [_compared(evaluations[0], control) for control in evaluations[1:]]
     if evaluations:
-        print(_json(scene, evaluations, comparisons) if options.json else _table(scene, evaluations, comparisons))
-    return status
+        print(_json(scene, evaluations, comparisons) if as_json else _table(scene, evaluations, comparisons))
 
 
 def _name(evaluation: GraspEvaluation) -> str:
-    return evaluation.policy or f"gain {evaluation.gain:.4g}"
+    return evaluation.policy or gain_name(evaluation.gain)
 
 
 def _compared(evaluation: GraspEvaluation, control: GraspEvaluation) -> Comparison:

@@ -245,8 +245,35 @@ def test_command_compares_a_network_with_gains(device, scene, tmp_path, capsys):
     control = taxelsim.evaluate_grasp(scene, [10], device=device)[0].total.num_held
     assert [entry["successes"] for entry in content["evaluations"]] == [0, control]
     assert control > 0
+    for part in ("1/2", "2/2"):
+        assert main([*arguments, "--part", part, "-o", str(tmp_path / "parts")]) == 0
+    capsys.readouterr()
+    assert main([*arguments, "--merge", str(tmp_path / "parts"), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == content
     assert main([str(scene.file), "--policy", str(network), "--controller", "x"]) == 2
-    assert "--controller: a scene of kind grasp" in capsys.readouterr().err
+    assert "controllers are not allowed in a scene of kind grasp" in capsys.readouterr().err
+
+
+def test_parts_together_are_the_evaluation(device, scene):
+    """Also through text. A part of other gains or another policy is refused."""
+    whole = taxelsim.evaluate_grasp(scene, [10], policy=POLICY, device=device)
+    parts = [
+        taxelsim.evaluate_part(scene, gains=[10], policy=POLICY, episodes=numbers, device=device, batch_size=2)
+        for numbers in (range(3, 5), range(3))
+    ]
+    assert parts[0].controllers == ["holding", "gain 10"]
+    assert taxelsim.EvaluationPart.from_json(parts[0].to_json()) == parts[0]
+    merged = taxelsim.merge_grasp_evaluations(scene, parts, [10], policy=POLICY)
+    for mine, expected in zip(merged, whole, strict=True):
+        assert (mine.policy, mine.gain, mine.total.num_held) == (expected.policy, expected.gain, expected.total.num_held)
+        for name, values in expected.verdicts.items():
+            np.testing.assert_array_equal(mine.verdicts[name], values)
+    with pytest.raises(taxelsim.InputError, match=r"part 0: has another set of controllers \(holding, gain 10 there, holding, gain 5 exp"):
+        taxelsim.merge_grasp_evaluations(scene, parts, [5], policy=POLICY)
+    with pytest.raises(taxelsim.InputError, match=r"episodes 0\.\.2 are missing"):
+        taxelsim.merge_grasp_evaluations(scene, parts[:1], [10], policy=POLICY)
+    with pytest.raises(taxelsim.InputError, match="differs from its SHA-256"):
+        taxelsim.EvaluationPart.from_json(parts[0].to_json().replace('"num_fingers": 2', '"num_fingers": 3'))
 
 
 def test_pictures_show_all_sensors(device, scene):
