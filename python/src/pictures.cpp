@@ -19,6 +19,7 @@
 
 #include "bind.h"
 #include "figures/sensor_panels.h"
+#include "figures/taxel_chart.h"
 #include "taxelsim/error.h"
 #include "taxelsim/sensor.h"
 
@@ -83,6 +84,13 @@ nb::object drawSensorFigure(const Sensor& sensor, const std::vector<std::pair<st
   return pictureOf([&] { return figures::drawTactileFigure(panels, options).pixels(); });
 }
 
+// (num_taxels, 4, 2).
+nb::object outlinesOf(const Sensor& sensor) {
+  auto* const outlines = new std::vector<figures::TaxelOutline>(figures::outlinesOf(sensor));
+  const nb::capsule owner(outlines, [](void* owned) noexcept { delete static_cast<std::vector<figures::TaxelOutline>*>(owned); });
+  return nb::ndarray<nb::numpy, double, nb::ndim<3>>(outlines->front().front().data(), {outlines->size(), 4, 2}, owner).cast();
+}
+
 }  // namespace
 }  // namespace taxelsim::python
 
@@ -90,21 +98,27 @@ NB_MODULE(_pictures, module) {
   using namespace taxelsim::python;
   nb::class_<EpisodePictures>(module, "EpisodePictures",
                               "Pictures of the frames of an episode: sensor and object in 3-D, tactile image, force and edge angle. range: "
-                              "counts of the brightest colour, 0 for those of the data set. assets: folders with the meshes of the scene.")
+                              "counts of the brightest colour, 0 for those of the data set. assets: folders with the meshes of the scene. "
+                              "sensor: its name where columns are grouped by sensor; empty for the first.")
       .def(
           "__init__",
-          [](EpisodePictures* self, const std::string& folder, std::uint64_t episode, double range,
-             const std::vector<std::string>& assets) {
+          [](EpisodePictures* self, const std::string& folder, std::uint64_t episode, double range, const std::vector<std::string>& assets,
+             const std::string& sensor) {
             const std::vector<std::filesystem::path> folders(assets.begin(), assets.end());
-            new (self) EpisodePictures({.directory = folder, .episode = episode, .range = range}, folders);
+            new (self) EpisodePictures({.directory = folder, .sensor = sensor, .episode = episode, .range = range}, folders);
           },
-          "folder"_a, "episode"_a, "range"_a = 0.0, "assets"_a = std::vector<std::string>(), nb::call_guard<nb::gil_scoped_release>())
+          "folder"_a, "episode"_a, "range"_a = 0.0, "assets"_a = std::vector<std::string>(), "sensor"_a = std::string(),
+          nb::call_guard<nb::gil_scoped_release>())
       .def_prop_ro("without_view", &EpisodePictures::withoutView, "Why pictures show the tactile image alone; empty if they show all.")
       .def("times", &EpisodePictures::times, nb::call_guard<nb::gil_scoped_release>(), "s, of the frames.")
       .def(
           "draw", [](EpisodePictures& self, std::uint64_t frame) { return pictureOf([&] { return self.pictureOf(frame); }); }, "frame"_a,
           nb::sig("def draw(self, frame: int) -> numpy.typing.NDArray[numpy.uint8]"),
           "Picture (height, width, 3) of a frame, counted from 0. All have one size and one colour scale.");
+  module.def(
+      "taxel_outlines", &outlinesOf, "sensor"_a, nb::sig("def taxel_outlines(sensor: object) -> numpy.typing.NDArray[numpy.float64]"),
+      "Corners (num_taxels, 4, 2) of the taxels in figures, m: x points down, y to the right; by (x, y) of the taxel (-, -), (-, +), "
+      "(+, +), (+, -). A list of taxels is unrolled along its skin.");
   module.def(
       "sensor_figure", &drawSensorFigure, "sensor"_a, "images"_a, "title"_a, "subtitle"_a, "unit"_a, "range"_a,
       nb::sig("def sensor_figure(sensor: object, images: Sequence[tuple[str, numpy.typing.NDArray[numpy.float64]]], title: str, subtitle: "

@@ -62,10 +62,25 @@ class _Grid:
         return _Grid(low, pitch, pixel, (int(height), int(width)))
 
 
+def taxel_chart(sensor: Sensor) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Centres (num_taxels, 2), m, and unit vectors along x and y (num_taxels, 2, 2) of the taxels in pictures.
+
+    Those of S, but a list of taxels, such as a curved fingertip, is unrolled along its skin, as in all figures.
+    """
+    if len(sensor.patches) == 1 or any(patch.num_rows * patch.num_cols != 1 for patch in sensor.patches):
+        return sensor.taxel_positions[:, :2], taxel_axes(sensor)[:, :, :2]
+    from ._pictures import taxel_outlines  # of Cairo
+
+    outlines = taxel_outlines(sensor)
+    sides = np.stack([outlines[:, 3] - outlines[:, 0], outlines[:, 1] - outlines[:, 0]], axis=1)
+    return outlines.mean(axis=1), sides / np.linalg.norm(sides, axis=-1, keepdims=True)
+
+
 def taxel_map(positions: NDArray[np.float64], taxel_pixels: int = _TAXEL_PIXELS) -> NDArray[np.intp]:
     """Index of the nearest taxel for every pixel (height, width). Rows of pixels go along x of S, columns along y.
 
-    positions: (taxels, 3), centres in S, m. taxel_pixels: width of a taxel; less if the picture would be too large.
+    positions: (taxels, 2) or (taxels, 3), centres, m; see taxel_chart(). taxel_pixels: width of a taxel; less if the picture would be
+        too large.
     """
     grid = _Grid.of(positions, taxel_pixels)
     x, y = (grid.low[axis] + (np.arange(count) + 0.5) * grid.pixel for axis, count in enumerate(grid.shape))
@@ -133,7 +148,7 @@ class TactilePictures:
     @cached_property
     def pixels(self) -> NDArray[np.intp]:
         """Index of the taxel of every pixel (height, width)."""
-        return taxel_map(self._sensor.taxel_positions, _ARROW_PIXELS if self._sensor.readout.three_axis else _TAXEL_PIXELS)
+        return taxel_map(taxel_chart(self._sensor)[0], _ARROW_PIXELS if self._sensor.readout.three_axis else _TAXEL_PIXELS)
 
     @cached_property
     def _arrows(self) -> _Arrows:
@@ -158,10 +173,11 @@ class _Arrows:
     """Arrows in the pictures of a sensor, two taxels long where the shear has the counts of the brightest colour."""
 
     def __init__(self, sensor: Sensor) -> None:
-        grid = _Grid.of(sensor.taxel_positions, _ARROW_PIXELS)
+        positions, axes = taxel_chart(sensor)
+        grid = _Grid.of(positions, _ARROW_PIXELS)
         self._taxel = grid.pitch / grid.pixel  # pixels
-        self._middles = (sensor.taxel_positions[:, :2] - grid.low) / grid.pixel  # (T, 2), rows and columns
-        self._axes = taxel_axes(sensor)[:, :, :2] * (ARROW_TAXELS * self._taxel)  # (T, 2, 2)
+        self._middles = (positions - grid.low) / grid.pixel  # (T, 2), rows and columns
+        self._axes = axes * (ARROW_TAXELS * self._taxel)  # (T, 2, 2)
         self._width = max(1, round(_ARROW_WIDTH * self._taxel))
         offsets = np.arange(self._width) - (self._width - 1) / 2
         self._brush = np.stack(np.meshgrid(offsets, offsets), -1).reshape(-1, 2)  # pixels of a point of a line
@@ -230,12 +246,14 @@ def colour_map() -> Any:
 def draw_taxels(axes: Any, sensor: Sensor, values: NDArray[Any], range: float | None = None) -> Any:
     """Draws one value per taxel, such as one tactile image, on axes of matplotlib, and returns the AxesImage, for a colour bar.
 
-    x of S runs downwards and y to the right, in mm, as in tactile_pictures(). values: (num_rows, num_cols) or (num_taxels).
+    x runs downwards and y to the right, in mm, as in tactile_pictures(): of S, or along the skin of a list of taxels, such as a curved tip.
+    values: (num_rows, num_cols) or (num_taxels).
     range: value of the brightest colour, > 0; default: the largest value. Raises ImportError without matplotlib.
     """
-    grid = _Grid.of(sensor.taxel_positions, _TAXEL_PIXELS)
+    positions = taxel_chart(sensor)[0]
+    grid = _Grid.of(positions, _TAXEL_PIXELS)
     (top, left), (bottom, right) = 1e3 * grid.low, 1e3 * (grid.low + grid.pixel * np.array(grid.shape))
-    picture = np.ravel(values)[taxel_map(sensor.taxel_positions)]
+    picture = np.ravel(values)[taxel_map(positions)]
     axes.set(xlabel="y (mm)", ylabel="x (mm)")
     limit = picture.max() if range is None else checked_positive("range", range)
     return axes.imshow(picture, colour_map(), vmin=0, vmax=limit, extent=(left, right, bottom, top), interpolation="nearest")

@@ -7,10 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from taxelsim._pictures import EpisodePictures
 
 import taxelsim
+from taxelsim.commands.render import main
 from taxelsim.dataset.dataset import dataset_of_one_sensor
 from taxelsim.export import FORMATS, Options, export
+from taxelsim.pictures import tactile_pictures, taxel_chart
 from taxelsim.program import PROGRAM
 from taxelsim.report import page_of, summarize
 
@@ -24,6 +27,56 @@ def grasped(tmp_path_factory: pytest.TempPathFactory, device: taxelsim.Device) -
     folder = tmp_path_factory.mktemp("grasped") / "data"
     taxelsim.generate(taxelsim.SCENES / "gripper_grasp.yaml", folder, episodes=EPISODES, device=device)
     return folder
+
+
+def test_an_episode_is_a_moving_picture_of_one_sensor(grasped: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """With sensor and object in 3-D, from the poses that every grasp records."""
+    moving = {name: EpisodePictures(str(grasped), 2, sensor=name) for name in ("", *SENSORS)}
+    assert [pictures.without_view for pictures in moving.values()] == [""] * 4
+    frames = {name: pictures.draw(140) for name, pictures in moving.items()}
+    assert np.array_equal(frames[""], frames["left"])
+    assert not np.array_equal(frames["left"], frames["right"])
+    assert not np.array_equal(frames["left"], moving["left"].draw(0))
+    common = [str(grasped), "--episode", "2", "--range", "900"]
+    assert main([*common, "-o", str(tmp_path / "below.gif"), "--sensor", "below", "--speed", "4"]) == 0
+    assert (tmp_path / "below.gif").read_bytes().startswith(b"GIF89a")
+    assert main([*common, "-o", str(tmp_path / "x.gif"), "--sensor", "top"]) == 2
+    assert "--sensor top: its sensors are left, right, below" in capsys.readouterr().err
+    picture = subprocess.run(
+        [PROGRAM, "render", grasped, "-o", tmp_path / "x.webp", "--episode", "2", "--sensor", "below"], capture_output=True, check=True
+    )
+    assert b"75 frames" in picture.stdout
+
+
+def test_program_reads_one_sensor(grasped: Path) -> None:
+    """inspect leaves out the columns of the others; compare takes the images of one."""
+
+    def run(*words: str) -> str:
+        return subprocess.run([PROGRAM, *words], capture_output=True, text=True, check=False).stdout
+
+    columns = [column["name"] for column in json.loads(run("inspect", str(grasped), "--sensor", "left", "--json"))["columns"]]
+    assert {name.split("/")[1] for name in columns if name.startswith("data/")} == {"time", "robot", "object_pose", "left"}
+    same = json.loads(run("compare", str(grasped), str(grasped), "--sensor", "right", "--json"))
+    images = taxelsim.Dataset(grasped)["data/right/tactile_image"][:]
+    active = (images.reshape(len(images), -1) > 0).sum(axis=1)
+    assert [pair["active_taxels"] for pair in same["pairs"]] == active.tolist()
+    assert {pair["M3_rms_difference"] for pair in same["pairs"]} == {0, None}
+
+
+@pytest.mark.parametrize(("name", "radius"), [("fingertip_sphere", 8e-3), ("fingertip_cylinder", None)])
+def test_curved_tips_are_drawn_unrolled(name: str, radius: float | None) -> None:
+    """A taxel of a sphere is drawn at its arc length from the apex; one of a grid where it is."""
+    tip = taxelsim.load_sensor(taxelsim.SCENES / f"sensors/{name}.yaml")
+    positions, axes = taxel_chart(tip)
+    assert positions.shape == (tip.num_taxels, 2)
+    np.testing.assert_allclose(np.linalg.norm(axes, axis=-1), 1)
+    if radius is not None:
+        arcs = radius * np.arccos(np.clip(tip.taxel_normals[:, 2], -1, 1))
+        np.testing.assert_allclose(np.linalg.norm(positions - positions[0], axis=1), arcs, atol=2e-5)  # positions are given to 1e-9 m
+    flat = taxelsim.load_sensor(taxelsim.SCENES / "sensors/fingertip_6x4.yaml")
+    np.testing.assert_array_equal(taxel_chart(flat)[0], flat.taxel_positions[:, :2])
+    pictures = tactile_pictures(tip, np.eye(tip.num_taxels)[:2] * 100)
+    assert (pictures[0] != pictures[1]).any()
 
 
 def test_episodes_of_a_list_have_the_bytes_of_the_whole_data_set(grasped: Path, tmp_path: Path, device: taxelsim.Device) -> None:

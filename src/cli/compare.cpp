@@ -33,7 +33,7 @@ constexpr std::size_t kMaxShownPairs = 6;
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 struct CompareArguments {
-  std::string real, simulated, picture;
+  std::string real, simulated, picture, sensor;
   std::optional<double> seconds_after_touch;
   bool json = false;
 };
@@ -266,7 +266,7 @@ void drawComparison(const std::string& file, const ImageSource& real, const Imag
 }
 
 int runCompare(const CompareArguments& arguments) {
-  ImageSource real = loadImages(arguments.real), simulated = loadImages(arguments.simulated);
+  ImageSource real = loadImages(arguments.real, arguments.sensor), simulated = loadImages(arguments.simulated, arguments.sensor);
   matchSensors(real, simulated);
   if (arguments.seconds_after_touch) {
     if (real.images.time.empty() && simulated.images.time.empty()) {
@@ -299,6 +299,8 @@ void addCompare(CLI::App& app, Action& action) {
   const auto arguments = std::make_shared<CompareArguments>();
   command->add_option("real", arguments->real, "Measurement (YAML) or data set")->required()->type_name("REAL");
   command->add_option("simulated", arguments->simulated, "Measurement (YAML) or data set")->required()->type_name("SIM");
+  command->add_option("--sensor", arguments->sensor, "Sensor of a data set whose columns are grouped by sensor; otherwise the first")
+      ->type_name("NAME");
   command->add_option("--at", arguments->seconds_after_touch, "For recordings over time: use the image this long after contact")
       ->type_name("SECONDS");
   command->add_option("-o,--output", arguments->picture, "Figure to write (PNG): both images and their difference")

@@ -13,23 +13,26 @@
 namespace taxelsim::cli {
 namespace {
 
-constexpr const char* kImage = "data/tactile_image";
+constexpr const char* kImage = "tactile_image";
 constexpr std::uint64_t kFramesRead = 4096;
 
-ImageSource loadDataSet(const std::filesystem::path& directory) {
+ImageSource loadDataSet(const std::filesystem::path& directory, const std::string& sensor) {
   const DatasetReader reader(directory, /*allow_incomplete=*/false, /*isolated=*/true);
   const Manifest& manifest = reader.manifest();
-  const auto column = std::find_if(manifest.columns.begin(), manifest.columns.end(), [](const Column& c) { return c.name == kImage; });
-  if (column == manifest.columns.end()) throw Error(ErrorKind::kInput, directory.string() + ": no column " + kImage);
+  const std::string group = figures::imageGroup(manifest, sensor, directory.string()), image = group + kImage;
+  const std::string name = group == "data/" ? "" : group.substr(5, group.size() - 6);
+  const auto column = std::find_if(manifest.columns.begin(), manifest.columns.end(), [&](const Column& c) { return c.name == image; });
   if (reader.numFrames() == 0) throw Error(ErrorKind::kInput, directory.string() + ": no frames");
-  ImageSource source{
-      .file = directory.string(), .name = figures::sceneName(manifest), .sensor = figures::recordedSensor(manifest), .images = {}};
+  ImageSource source{.file = directory.string(),
+                     .name = figures::sceneName(manifest) + (name.empty() ? "" : ", " + name),
+                     .sensor = figures::recordedSensor(manifest, name),
+                     .images = {}};
   source.images.num_taxels = std::accumulate(column->shape.begin(), column->shape.end(), std::size_t{1}, std::multiplies<>());
   if (source.sensor && source.images.num_taxels != static_cast<std::size_t>(numTaxels(*source.sensor))) {
     throw Error(ErrorKind::kInput, directory.string() + ": has several sensors per instance, whose images cannot be compared");
   }
   for (std::uint64_t first = 0; first < reader.numFrames(); first += kFramesRead) {
-    for (const double counts : reader.readAsDouble(kImage, first, std::min(kFramesRead, reader.numFrames() - first))) {
+    for (const double counts : reader.readAsDouble(image, first, std::min(kFramesRead, reader.numFrames() - first))) {
       source.images.counts.push_back(static_cast<float>(counts));
     }
   }
@@ -57,9 +60,9 @@ ImageSource loadFile(const std::filesystem::path& file) {
 
 }  // namespace
 
-ImageSource loadImages(const std::filesystem::path& path) {
+ImageSource loadImages(const std::filesystem::path& path, const std::string& sensor) {
   std::error_code error;
-  return std::filesystem::is_directory(path, error) ? loadDataSet(path) : loadFile(path);
+  return std::filesystem::is_directory(path, error) ? loadDataSet(path, sensor) : loadFile(path);
 }
 
 }  // namespace taxelsim::cli

@@ -17,7 +17,8 @@ struct ImageSource {
   Images images;                 // no times for a data set, because times restart with every episode
 };
 
-// A directory is read as a data set, a file as a measurement. Throws Error(kInput) if it has no images or several sensors.
-ImageSource loadImages(const std::filesystem::path& path);
+// A directory is read as a data set, a file as a measurement. `sensor`: where the columns of the data set are grouped by sensor; empty for
+// the first. Throws Error(kInput) if there are no images, or several sensors without groups.
+ImageSource loadImages(const std::filesystem::path& path, const std::string& sensor);
 
 }  // namespace taxelsim::cli

@@ -28,7 +28,7 @@ namespace {
 constexpr std::size_t kValuesAtOnce = std::size_t{1} << 20;
 
 struct InspectArguments {
-  std::string directory;
+  std::string directory, sensor;
   bool json = false;
   bool quick = false;
   bool verify = false;
@@ -262,6 +262,13 @@ std::vector<std::string> rowOf(const Column& column, const Statistics& statistic
           countText(statistics.num_non_finite)};
 }
 
+// Whether a column belongs to another sensor than the one of that name.
+bool isOfAnother(const Column& column, const std::string& sensor, const std::vector<std::string>& sensors) {
+  return !sensor.empty() && std::ranges::any_of(sensors, [&](const std::string& other) {
+    return other != sensor && column.name.starts_with("data/" + other + "/");
+  });
+}
+
 int runInspect(const InspectArguments& arguments) {
   const Manifest manifest = readManifest(arguments.directory);
   const bool contents = manifest.format_version > 1 ? arguments.verify : !arguments.quick;
@@ -291,7 +298,10 @@ int runInspect(const InspectArguments& arguments) {
   if (const std::uint64_t num_found = shards.whole; sample.num_shards < num_found)
     heading.push_back({"values", fmt::format("of {} of {} shards; --verify reads all", sample.num_shards, countText(num_found))});
   Rows table{{"column", "type", "shape", "unit", "min", "mean", "max", "not finite"}}, names{{"column", "named values"}};
+  if (!arguments.sensor.empty()) figures::imageGroup(manifest, arguments.sensor, arguments.directory);  // throws for another name
+  const std::vector<std::string> sensors = figures::sensorsWithImages(manifest);
   for (const Column& column : manifest.columns) {
+    if (isOfAnother(column, arguments.sensor, sensors)) continue;
     const Statistics statistics = statisticsOf(reader, column, sample);
     json["columns"].push_back(jsonOf(column, statistics));
     table.push_back(rowOf(column, statistics));
@@ -317,6 +327,8 @@ void addInspect(CLI::App& app, Action& action) {
       "small data set, and of up to 16 shards of a large one. Exit status 2 if a shard or dataset.h5 is broken; lists missing shards.");
   const auto arguments = std::make_shared<InspectArguments>();
   command->add_option("directory", arguments->directory, "Directory of the data set")->required()->type_name("DIR");
+  command->add_option("--sensor", arguments->sensor, "Leave out the columns of other sensors, where columns are grouped by sensor")
+      ->type_name("NAME");
   command->add_flag("--json", arguments->json, "Print JSON");
   command->add_flag("--verify", arguments->verify, "Compare every shard with its SHA-256, in parallel, and read all values");
   command->add_flag("--quick", arguments->quick, "Format 1: verify the headers of shards only, not their values");

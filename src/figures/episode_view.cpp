@@ -24,6 +24,7 @@ constexpr double kRightColumn = 256, kRightWidth = kViewPage - kSide - kRightCol
 constexpr double kImageTop = kHeadFoot + 18, kImageHeight = 78;
 constexpr double kStripTop = kHeadFoot + kMainHeight + 36, kStripLeft = 40, kStripGap = 46;
 constexpr PlotSize kStrip{.width = (kViewPage - kSide - kStripLeft - kStripGap) / 2, .height = 76};
+constexpr double kMinScale = 90;    // width of the colour scale, which has room for both of its numbers
 constexpr double kLargeValue = 21;  // size of type
 
 constexpr double kMeshDetail = 2e-4;  // m: largest error of the surface that is drawn
@@ -42,8 +43,7 @@ std::vector<double> required(const FrameFigures& frames, std::vector<double> val
   return values;
 }
 
-std::vector<Pose> posesOf(const FrameFigures& frames) {
-  const std::vector<double> rows = required(frames, frames.valuesOf("pose", 7), "pose", "poses");
+std::vector<Pose> asPoses(const std::vector<double>& rows) {
   std::vector<Pose> poses;
   for (std::size_t k = 0; k < rows.size(); k += 7) {
     poses.push_back({{rows[k], rows[k + 1], rows[k + 2]}, {rows[k + 3], rows[k + 4], rows[k + 5], rows[k + 6]}});
@@ -51,22 +51,37 @@ std::vector<Pose> posesOf(const FrameFigures& frames) {
   return poses;
 }
 
+// X_SO, (num_frames x num_objects).
+std::vector<Pose> posesOf(const FrameFigures& frames, std::size_t num_objects) {
+  if (frames.sensorName().empty()) return asPoses(required(frames, frames.valuesOf("pose", 7), "pose", "poses"));
+  const std::vector<Pose> X_WS = asPoses(frames.valuesOf("sensor_pose", 7));
+  std::vector<Pose> poses = asPoses(frames.allOf("data/object_pose"));
+  if (X_WS.empty() || poses.size() != X_WS.size() * num_objects) refuse(frames, "no poses of sensor and objects to draw an episode");
+  for (std::size_t k = 0; k < poses.size(); ++k) poses[k] = inverse(X_WS[k / num_objects]) * poses[k];
+  return poses;
+}
+
 Sensor sensorOf(FrameFigures& frames) {
-  const std::optional<Sensor> sensor = recordedSensor(frames.manifest());
+  const std::optional<Sensor> sensor = recordedSensor(frames.manifest(), frames.sensorName());
   if (!sensor) refuse(frames, "its scene does not have the taxels of the sensor, which are in another file or of several sensors");
   if (frames.panelOf(0).values.size() < static_cast<std::size_t>(numTaxels(*sensor)))
     refuse(frames, "its images lack taxels of the sensor");
   return *sensor;
 }
 
-Object objectOf(const FrameFigures& frames, std::span<const std::filesystem::path> assets) {
-  const std::optional<std::size_t> index = frames.objectIndex();
+// The object of the episode, or all objects of a grasp.
+std::vector<Object> objectsOf(const FrameFigures& frames, std::span<const std::filesystem::path> assets) {
+  const bool is_grasp = !frames.sensorName().empty();
+  const std::optional<std::size_t> index = is_grasp ? 0 : frames.objectIndex();
   if (!index) refuse(frames, "no column meta/object to draw an episode");
+  const std::size_t end = is_grasp ? numRecordedObjects(frames.manifest()) : *index + 1;
+  std::vector<Object> objects;
   try {
-    return recordedObject(frames.manifest(), *index, assets, kMeshDetail);
+    for (std::size_t k = *index; k < end; ++k) objects.push_back(recordedObject(frames.manifest(), k, assets, kMeshDetail));
   } catch (const Error& error) {
     refuse(frames, error.what());
   }
+  return objects;
 }
 
 // Degrees. Adds half turns to all angles, so that their mean is within 90 degrees of 45: those along x and along y have small numbers.
@@ -133,11 +148,18 @@ std::vector<double> continuousAngles(std::vector<double> angles) {
 }
 
 EpisodeView::EpisodeView(FrameFigures& frames, std::span<const std::filesystem::path> assets)
-    : frames_(frames), poses_(posesOf(frames)), times_(frames.times()), curves_{forceCurve(), angleCurve()} {
+    : frames_(frames), times_(frames.times()), curves_{forceCurve(), angleCurve()} {
   const Sensor sensor = sensorOf(frames);
-  const Object object = objectOf(frames, assets);
-  subtitle_ = oneLine(object.name + " on " + sensor.name);
-  scene_.emplace(sensor, object.shape, poses_, kSceneWidth, kMainHeight);
+  objects_ = objectsOf(frames, assets);
+  poses_ = posesOf(frames, objects_.size());
+  std::vector<Shape> shapes;
+  std::string names;
+  for (const Object& object : objects_) {
+    shapes.push_back(object.shape);
+    names += (names.empty() ? "" : ", ") + object.name;
+  }
+  subtitle_ = oneLine(names + " on " + (frames.sensorName().empty() ? sensor.name : frames.sensorName()));
+  scene_.emplace(sensor, shapes, poses_, kSceneWidth, kMainHeight);
 }
 
 EpisodeView::Curve EpisodeView::forceCurve() const {
@@ -161,7 +183,7 @@ void EpisodeView::drawImage(const Canvas& canvas, const TactilePanel& panel, con
   cairo_translate(canvas, kRightColumn, kImageTop);
   drawPanel(canvas, panel, size, scale);
   cairo_restore(canvas);
-  drawScale(canvas, kRightColumn, kImageTop + size.height + 8, size.width, scale, frames_.options().unit);
+  drawScale(canvas, kRightColumn, kImageTop + size.height + 8, std::max(size.width, kMinScale), scale, frames_.options().unit);
   if (panel.neighbours) drawLines(canvas, kRightColumn, kImageTop + size.height + 46);
 }
 
@@ -208,7 +230,7 @@ Canvas EpisodeView::pictureOf(std::uint64_t frame) {
   drawHeading(canvas, frame);
   cairo_save(canvas);
   cairo_translate(canvas, kSide, kHeadFoot);
-  scene_->draw(canvas, poses_[frame], panel.values, scale);
+  scene_->draw(canvas, std::span(poses_).subspan(frame * objects_.size(), objects_.size()), panel.values, scale);
   cairo_restore(canvas);
   drawImage(canvas, panel, scale);
   for (std::size_t c = 0; c < curves_.size(); ++c) {

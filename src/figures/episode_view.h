@@ -11,6 +11,7 @@
 #include "figures/frame_figures.h"
 #include "figures/line_plot.h"
 #include "figures/scene_view.h"
+#include "taxelsim/object.h"
 
 namespace taxelsim::figures {
 
@@ -43,7 +44,8 @@ class EpisodeView {
   void drawCurve(const Canvas& canvas, const Curve& curve, std::uint64_t frame, double left) const;
 
   FrameFigures& frames_;
-  std::vector<Pose> poses_;    // X_SO, (num_frames)
+  std::vector<Object> objects_;
+  std::vector<Pose> poses_;    // X_SO, (num_frames x num_objects)
   std::vector<double> times_;  // s, (num_frames)
   std::vector<Curve> curves_;
   std::string subtitle_;

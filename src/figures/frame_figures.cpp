@@ -14,6 +14,7 @@
 
 #include "base/log.h"
 #include "base/text.h"
+#include "figures/recorded_scene.h"
 #include "figures/taxel_chart.h"
 #include "figures/text.h"
 #include "taxelsim/counts_range.h"
@@ -37,29 +38,6 @@ constexpr std::array kShown{kTactileImage, kTaxelCounts,      "total_force",    
 const Column* findColumn(const Manifest& manifest, const std::string& name) {
   const auto column = std::find_if(manifest.columns.begin(), manifest.columns.end(), [&](const Column& c) { return c.name == name; });
   return column == manifest.columns.end() ? nullptr : &*column;
-}
-
-// The group of the sensor of that name, or of the first sensor for an empty name. Throws Error(kInput), which begins with `directory`, if
-// there is no image.
-std::string imageGroup(const Manifest& manifest, const std::string& sensor, const std::string& directory) {
-  const std::string end = std::string("/") + kTactileImage, data = kData;
-  std::vector<std::string> sensors;
-  for (const Column& column : manifest.columns) {
-    if (sensor.empty() && column.name == data + kTactileImage) return data;
-    if (column.name.ends_with(end) && column.name.size() > data.size() + end.size()) {
-      sensors.push_back(column.name.substr(data.size(), column.name.size() - data.size() - end.size()));
-    }
-  }
-  if (sensors.empty()) {
-    throw Error(ErrorKind::kInput, directory + (sensor.empty() ? ": no column data/tactile_image to draw"
-                                                               : ": --sensor: its columns are not grouped by sensor"));
-  }
-  if (sensor.empty()) return data + sensors.front() + "/";
-  if (std::find(sensors.begin(), sensors.end(), sensor) == sensors.end()) {
-    throw Error(ErrorKind::kInput,
-                oneLine(fmt::format("{}: --sensor {}: its sensors are {}", directory, sensor, fmt::join(sensors, ", "))));
-  }
-  return data + sensor + "/";
 }
 
 // Numbers of the episodes that are there, (num_episodes): their places, unless the data set is one of chosen episodes.
@@ -90,6 +68,33 @@ std::size_t rowOf(std::uint64_t episode, const std::string& directory, const std
 
 }  // namespace
 
+std::vector<std::string> sensorsWithImages(const Manifest& manifest) {
+  const std::string end = std::string("/") + kTactileImage, data = kData;
+  std::vector<std::string> sensors;
+  for (const Column& column : manifest.columns) {
+    if (column.name.ends_with(end) && column.name.size() > data.size() + end.size()) {
+      sensors.push_back(column.name.substr(data.size(), column.name.size() - data.size() - end.size()));
+    }
+  }
+  return sensors;
+}
+
+std::string imageGroup(const Manifest& manifest, const std::string& sensor, const std::string& directory) {
+  const std::string data = kData;
+  if (sensor.empty() && findColumn(manifest, data + kTactileImage) != nullptr) return data;
+  const std::vector<std::string> sensors = sensorsWithImages(manifest);
+  if (sensors.empty()) {
+    throw Error(ErrorKind::kInput, directory + (sensor.empty() ? ": no column data/tactile_image to draw"
+                                                               : ": --sensor: its columns are not grouped by sensor"));
+  }
+  if (sensor.empty()) return data + sensors.front() + "/";
+  if (std::find(sensors.begin(), sensors.end(), sensor) == sensors.end()) {
+    throw Error(ErrorKind::kInput,
+                oneLine(fmt::format("{}: --sensor {}: its sensors are {}", directory, sensor, fmt::join(sensors, ", "))));
+  }
+  return data + sensor + "/";
+}
+
 std::string sceneName(const Manifest& manifest) {
   try {
     const YAML::Node name = YAML::Load(manifest.scene)["name"];
@@ -112,11 +117,24 @@ FrameFigures::FrameFigures(FrameSelection selection)
   if (reader_.numFrames() == 0) throw Error(ErrorKind::kInput, directory + ": no frames yet");
   if (const std::size_t count = reader_.missingShards().size(); count > 0)
     logWarning(fmt::format("{}: {} shards are missing", directory, count));
-  if (const std::optional<Sensor> listed = listedTaxels(manifest())) outlines_ = unrolled(*listed);
+  const std::optional<Sensor> sensor = group_ == kData ? listedTaxels(manifest()) : recordedSensor(manifest(), sensorName());
+  if (sensor && isTaxelList(*sensor)) outlines_ = unrolled(*sensor);
+  if (sensor && sensor->patches.size() == 1) pitch_ = sensor->patches[0].pitch;
   const std::vector<std::uint64_t>& ends = reader_.episodeEnds();
   const std::size_t row = selection_.episode ? rowOf(*selection_.episode, directory, episodes_) : 0;
   begin_ = row > 0 ? ends[row - 1] : 0;
   end_ = selection_.episode ? ends[row] : ends.back();
+}
+
+std::string FrameFigures::sensorName() const {
+  const std::size_t begin = std::string_view(kData).size();
+  return group_ == kData ? "" : group_.substr(begin, group_.size() - begin - 1);
+}
+
+std::vector<double> FrameFigures::allOf(const std::string& name) const {
+  const Column* const column = findColumn(manifest(), name);
+  if (column == nullptr || column->per_episode) return {};
+  return reader_.readAsDouble(column->name, begin_, numFrames());
 }
 
 std::vector<double> FrameFigures::times() const {
@@ -210,6 +228,7 @@ TactilePanel FrameFigures::imageOf(std::uint64_t frame) const {
   if (group_ != kData && shape.size() == 2) {
     panel.num_rows = static_cast<int>(shape[0]);
     panel.num_cols = static_cast<int>(shape[1]);
+    if (pitch_[0] > 0 && pitch_[1] > 0) panel.pitch = pitch_;
     return panel;
   }
   panel.values.resize(shape.back());
@@ -243,7 +262,7 @@ void FrameFigures::showThreeAxes(TactilePanel& panel, std::uint64_t frame) const
 std::optional<ContactAxes> FrameFigures::axesOf(const TactilePanel& panel, std::uint64_t frame) const {
   if (!panel.neighbours) return std::nullopt;
   std::optional<ContactAxes> axes = axesOfImage(panel);
-  if (!axes || panel.pitch != manifest().pitch) return axes;
+  if (!axes || panel.pitch != (group_ == kData ? manifest().pitch : pitch_)) return axes;
   const std::vector<double> centre = row("center_of_pressure", frame, 3);
   const std::vector<double> eigenvalues = row("eigenvalues", frame, 2);
   const std::vector<double> angle = row("edge_angle", frame, 1);
@@ -314,8 +333,8 @@ const FigureOptions& FrameFigures::options() {
   if (options_) return *options_;
   const std::string name = sceneName(manifest());
   options_ = {.title = name == "-" ? selection_.directory : name,
-              .subtitle = fmt::format("{}, seed {}, {} episodes, {} frames{}", manifest().sensor_name, manifest().seed,
-                                      countText(reader_.numEpisodes()), countText(reader_.numFrames()),
+              .subtitle = fmt::format("{}, seed {}, {} episodes, {} frames{}", group_ == kData ? manifest().sensor_name : sensorName(),
+                                      manifest().seed, countText(reader_.numEpisodes()), countText(reader_.numFrames()),
                                       shown_.ends_with(kTaxelCounts) ? "; arrows: shear" : ""),
               .unit = image_.unit,
               .range = range()};

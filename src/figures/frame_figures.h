@@ -1,6 +1,7 @@
 // Figures of frames of a data set, for `taxelsim render`.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -14,6 +15,13 @@ namespace taxelsim::figures {
 
 // "-" if the scene has no name.
 std::string sceneName(const Manifest& manifest);
+
+// Names of the sensors whose images a data set has, where columns are grouped by sensor, in their order; empty for one of one sensor.
+std::vector<std::string> sensorsWithImages(const Manifest& manifest);
+
+// Begin of the names of the columns of a sensor, "data/thumb/", of the first sensor for an empty name; "data/" for a data set of one
+// sensor. Throws Error(kInput), which begins with `directory`, if there is no image of that sensor.
+std::string imageGroup(const Manifest& manifest, const std::string& sensor, const std::string& directory);
 
 struct FrameSelection {
   std::string directory, sensor{};         // directory: the data set; sensor: its name, empty for the first
@@ -43,6 +51,12 @@ class FrameFigures {
   const FigureOptions& options();
   const std::string& directory() const { return selection_.directory; }
   const Manifest& manifest() const { return reader_.manifest(); }
+
+  // The sensor where columns are grouped by sensor; empty for a data set of one sensor.
+  std::string sensorName() const;
+
+  // Rows of any column of all frames, (num_frames x width), by its whole name. Empty if there is no such column.
+  std::vector<double> allOf(const std::string& name) const;
 
   // Rows of a column of all frames, (num_frames x width); `name`: below data/, of a sensor's own column below its group. Empty if there is
   // no such column, or its rows have another shape.
@@ -74,6 +88,7 @@ class FrameFigures {
   std::string shown_;                                   // the column that panels show
   double least_shear_;                                  // counts, of the shortest arrow
   std::vector<std::uint64_t> episodes_;                 // numbers of those that are there
+  std::array<double, 2> pitch_{0, 0};                   // m, of the grid of a sensor in a group; 0: unknown
   std::vector<TaxelOutline> outlines_;                  // empty unless the sensor is a list of taxels
   std::uint64_t begin_ = 0, end_ = 0;                   // frames of the data set
   std::uint64_t first_ = 0, count_ = 0;                 // frames of columns_

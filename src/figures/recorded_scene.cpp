@@ -55,19 +55,43 @@ std::filesystem::path folderOfMesh(const YamlNode& item, std::span<const std::fi
                                              digest.substr(0, 8)));
 }
 
+// The block of a robot's sensor of that name.
+std::optional<YamlNode> sensorOfRobot(const YamlNode& root, const std::string& name) {
+  const std::optional<YamlNode> robot = root.child("robot");
+  if (!robot || !robot->isMap()) return std::nullopt;
+  for (const YamlTree::Key& key : robot->tree().keys) {
+    const YamlNode kind = *robot->child(key.text);
+    const std::optional<YamlNode> mounts = kind.isMap() ? kind.child("sensors") : std::nullopt;
+    if (!mounts || !mounts->isList()) continue;
+    for (const YamlNode& mount : mounts->items("a list")) {
+      const std::optional<YamlNode> found = mount.isMap() ? mount.child("name") : std::nullopt;
+      if (found && found->isScalar() && found->tree().text == name) return mount.child("sensor");
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
-std::optional<Sensor> recordedSensor(const Manifest& manifest) {
+std::optional<Sensor> recordedSensor(const Manifest& manifest, const std::string& name) {
   try {
     const YamlTree tree = parseYaml(readableScene(manifest.scene), kSceneOfDataSet);
     const YamlNode root(tree, kSceneOfDataSet);
-    const std::optional<YamlNode> block = root.isMap() ? root.child("sensor") : std::nullopt;
+    if (!root.isMap()) return std::nullopt;
+    const std::optional<YamlNode> block = name.empty() ? root.child("sensor") : sensorOfRobot(root, name);
     Canonical unused;
     if (block && block->isMap()) return readSensorBlock(*block, {}, unused);
   } catch (const Error&) {
     return std::nullopt;  // the checksum was right; only the sensor is unknown
   }
   return std::nullopt;
+}
+
+std::size_t numRecordedObjects(const Manifest& manifest) {
+  const YamlTree tree = parseYaml(readableScene(manifest.scene), kSceneOfDataSet);
+  const YamlNode root(tree, kSceneOfDataSet);
+  const std::optional<YamlNode> objects = root.isMap() ? root.child("objects") : std::nullopt;
+  return objects && objects->isList() ? objects->tree().children.size() : 0;
 }
 
 Object recordedObject(const Manifest& manifest, std::size_t index, std::span<const std::filesystem::path> assets, double max_depth_error) {

@@ -74,6 +74,11 @@ double extentOf(const std::vector<std::array<Vector3, 4>>& tiles) {
   return std::max({size[0], size[1], size[2]});
 }
 
+// From the farthest on.
+void sortFaces(std::vector<ViewFace>& faces) {
+  std::ranges::stable_sort(faces, {}, &ViewFace::near);
+}
+
 }  // namespace
 
 Camera::Camera(double azimuth, double elevation)
@@ -98,11 +103,11 @@ std::vector<ViewFace> facesInOrder(const ObjectSurface& surface, const Pose& X_S
     face.near = camera(meanOf({face.corners.data(), face.num_corners})).near;
     faces.push_back(face);
   }
-  std::stable_sort(faces.begin(), faces.end(), [](const ViewFace& a, const ViewFace& b) { return a.near < b.near; });
+  sortFaces(faces);
   return faces;
 }
 
-SceneView::SceneView(const Sensor& sensor, const Shape& shape, std::span<const Pose> poses, double width, double height)
+SceneView::SceneView(const Sensor& sensor, std::span<const Shape> shapes, std::span<const Pose> poses, double width, double height)
     : camera_(kAzimuth, kElevation),
       tiles_(tilesOf(sensor)),
       normals_(taxelNormals(sensor)),
@@ -112,7 +117,7 @@ SceneView::SceneView(const Sensor& sensor, const Shape& shape, std::span<const P
       depth_(kSideShare * extent_),
       width_(width),
       height_(height) {
-  surface_ = surfaceOf(shape, extent_);
+  for (const Shape& shape : shapes) surfaces_.push_back(surfaceOf(shape, extent_));
   std::iota(order_.begin(), order_.end(), std::size_t{0});
   std::stable_sort(order_.begin(), order_.end(),
                    [this](std::size_t a, std::size_t b) { return camera_(meanOf(tiles_[a])).near < camera_(meanOf(tiles_[b])).near; });
@@ -133,8 +138,8 @@ void SceneView::fit(std::span<const Pose> poses) {
   for (std::size_t t = 0; t < tiles_.size(); ++t) {
     for (const Vector3& corner : tiles_[t]) include(corner), include(add(corner, scale(-depth_, normals_[t])));
   }
-  for (const Pose& X_SO : poses) {
-    for (const Triangle3& triangle : surface_.triangles) include(X_SO * triangle[0]);
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    for (const Triangle3& triangle : surfaces_[k % surfaces_.size()].triangles) include(poses[k] * triangle[0]);
   }
   scale_ = std::min(width_ / (high[0] - low[0]), height_ / (high[1] - low[1]));
   middle_ = {(low[0] + high[0]) / 2, (low[1] + high[1]) / 2};
@@ -199,8 +204,13 @@ void SceneView::drawFrame(const Canvas& canvas) const {
   }
 }
 
-void SceneView::draw(const Canvas& canvas, const Pose& X_SO, std::span<const double> values, const ColourScale& scale) const {
-  const std::vector<ViewFace> faces = facesInOrder(surface_, X_SO, camera_, is_flat_);
+void SceneView::draw(const Canvas& canvas, std::span<const Pose> X_SO, std::span<const double> values, const ColourScale& scale) const {
+  std::vector<ViewFace> faces;
+  for (std::size_t k = 0; k < surfaces_.size(); ++k) {
+    const std::vector<ViewFace> more = facesInOrder(surfaces_[k], X_SO[k], camera_, is_flat_);
+    faces.insert(faces.end(), more.begin(), more.end());
+  }
+  sortFaces(faces);
   cairo_save(canvas);
   cairo_rectangle(canvas, 0, 0, width_, height_);
   cairo_clip(canvas);

@@ -1,10 +1,10 @@
-// A sensor and the object that touches it in 3-D, by painter's algorithm: taxels as tiles in the colours of the tactile image, the object
+// A sensor and the objects that touch it in 3-D, by painter's algorithm: taxels as tiles in the colours of the tactile image, the objects
 // translucent over them.
 //
 //   viewer at azimuth 0: x of S points to the viewer, y to the right, z up, as in a tactile image that is tilted away
 //
 //   for each taxel from the farthest: draw the sides that face the viewer, then its tile
-//   draw the object's faces from the farthest, opaque, on a layer of its own; then that layer, translucent, so that no face shows another
+//   draw the objects' faces from the farthest, opaque, on a layer of its own; then that layer, translucent, so that no face shows another
 #pragma once
 
 #include <array>
@@ -47,14 +47,15 @@ struct ViewFace {
 // outward, from the farthest on. `is_cut`: only what lies above the xy plane of S.
 std::vector<ViewFace> facesInOrder(const ObjectSurface& surface, const Pose& X_SO, const Camera& camera, bool is_cut);
 
-// Views of one sensor and one object. All have the same scale.
+// Views of one sensor and objects. All have the same scale.
 class SceneView {
  public:
-  // Fits into a box of `width` x `height` points: the sensor, and the object in all `poses` (X_SO) as far as it is near the sensor.
-  SceneView(const Sensor& sensor, const Shape& shape, std::span<const Pose> poses, double width, double height);
+  // Fits into a box of `width` x `height` points: the sensor, and the objects in all `poses` (X_SO; num_frames x num_objects) as far as
+  // they are near the sensor.
+  SceneView(const Sensor& sensor, std::span<const Shape> shapes, std::span<const Pose> poses, double width, double height);
 
-  // The origin is the upper left corner of the box. `values`: (num_taxels) or more; NaN for a grey tile.
-  void draw(const Canvas& canvas, const Pose& X_SO, std::span<const double> values, const ColourScale& scale) const;
+  // The origin is the upper left corner of the box. X_SO (num_objects). `values`: (num_taxels) or more; NaN for a grey tile.
+  void draw(const Canvas& canvas, std::span<const Pose> X_SO, std::span<const double> values, const ColourScale& scale) const;
 
  private:
   std::array<double, 2> place(const Vector3& p_S) const;  // points
@@ -68,7 +69,7 @@ class SceneView {
   std::vector<std::array<Vector3, 4>> tiles_;  // tilesOf(sensor)
   std::vector<Vector3> normals_;               // by taxel, in S
   std::vector<std::size_t> order_;             // taxels from the farthest on
-  ObjectSurface surface_;
+  std::vector<ObjectSurface> surfaces_;        // (num_objects)
   bool is_flat_;
   double extent_, depth_;  // m, of the taxels; of the sides that are drawn
   double width_, height_;  // points

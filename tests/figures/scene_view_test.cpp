@@ -115,7 +115,9 @@ testing::Picture viewOf(const Sensor& sensor, const std::vector<double>& values)
   const std::vector<Pose> poses{{{0, 0, 0.001}, {1, 0, 0, 0}}};
   ColourScale scale = valueScale();
   scale.max = 7;
-  SceneView(sensor, Sphere{0.001}, poses, 200, 150).draw(canvas, {{0, 0, 1}, {1, 0, 0, 0}}, values, scale);
+  const Shape ball = Sphere{0.001};
+  const Pose far{{0, 0, 1}, {1, 0, 0, 0}};
+  SceneView(sensor, std::span(&ball, 1), poses, 200, 150).draw(canvas, std::span(&far, 1), values, scale);
   canvas.save(root / "view.png");
   return testing::Picture(root / "view.png");
 }

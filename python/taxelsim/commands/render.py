@@ -30,6 +30,7 @@ def _parser() -> argparse.ArgumentParser:
     add("folder", metavar="DIR", help="data set")
     add("-o", "--output", required=True, type=Path, metavar="FILE", help="video to write: .mp4 or .gif; .png draws a picture of frames")
     add("--episode", required=True, type=int, metavar="N", help="number of the episode")
+    add("--sensor", default="", metavar="NAME", help="sensor to draw, where columns are grouped by sensor; default: the first")
     add("--speed", type=float, default=1.0, metavar="X", help="1 (default) is real time, 0.1 ten times slower")
     add("--assets", type=Path, action="append", default=[], metavar="DIR", help="folder with meshes of the scene; repeatable")
     add("--range", type=float, metavar="COUNTS", help="brightest colour; default: the 99.9th percentile of the data set")
@@ -42,7 +43,7 @@ def _run(options: argparse.Namespace) -> None:
     if not 0 <= options.episode < 1 << 64:
         raise InputError(f"--episode {options.episode}: {options.folder} has no such episode")
     check_video(options.output)
-    pictures = EpisodePictures(options.folder, options.episode, scale, [*map(str, options.assets), str(SCENES)])
+    pictures = EpisodePictures(options.folder, options.episode, scale, [*map(str, options.assets), str(SCENES)], options.sensor)
     if pictures.without_view:
         logger.warning("%s: shows the tactile image alone: %s", options.output, pictures.without_view)
     times = pictures.times()

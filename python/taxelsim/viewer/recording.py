@@ -10,7 +10,7 @@ import rerun as rr
 from numpy.typing import NDArray
 
 from .._core import Object, nominal_force
-from ..pictures import ARROW_TAXELS, TACTILE_IMAGE, TAXEL_COUNTS, colours_of, taxel_axes, taxel_map
+from ..pictures import ARROW_TAXELS, TACTILE_IMAGE, TAXEL_COUNTS, colours_of, taxel_axes, taxel_chart, taxel_map
 from .checks import extent_of
 from .episode_text import summary_of
 from .series import series_of
@@ -143,7 +143,7 @@ class EpisodeWriter:
         if len(sensor.patches) == 1:
             images = counts.reshape(len(counts), sensor.patches[0].num_rows, sensor.patches[0].num_cols)
         else:
-            images = counts[:, taxel_map(sensor.taxel_positions)]
+            images = counts[:, taxel_map(taxel_chart(sensor)[0])]
         self._static(entity, _image_format(images, colormap, limits))
         rows = np.ascontiguousarray(images).reshape(len(counts), -1)
         self._columns(entity, rr.DepthImage.columns(buffer=rows.view(np.uint8)))
