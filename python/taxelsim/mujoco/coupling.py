@@ -30,6 +30,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from .._arguments import checked_names
 from .._core import Device, OutputOptions, Sensor
 from ..errors import InputError
 from ..frame import Frame
@@ -101,8 +102,11 @@ class Coupling(Attachment):
         self.wrenches: dict[str, Array] = {name: np.zeros((num_instances, len(geoms), 6)) for name in sensors}
         """Wrenches (N, G, 6) on each sensor by each geom during the last time step, N and N m, at the origin of S in S."""
 
-    def observe(self, source: Sources, dt: float | None = None, instances: npt.ArrayLike | None = None) -> dict[str, Frame]:
-        """As Attachment.observe(), but masses may not differ. Needed only for first frames; step() returns frames."""
+    def observe(
+        self, source: Sources, dt: float | None = None, instances: npt.ArrayLike | None = None, *, forces: str = "skin"
+    ) -> dict[str, Frame]:
+        """As Attachment.observe(), but masses may not differ, and forces are those of the skin. Needed only for first frames."""
+        checked_names("forces", forces, ("skin",))
         step = float(self.model.opt.timestep) if dt is None else dt
         self._frames = super().observe(source, step, instances)
         self._update(step, instances)

@@ -1,0 +1,66 @@
+"""The forces of MuJoCo's contacts on the body of a sensor, by geom."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import mujoco
+import numpy as np
+from mujoco.batch import Batch
+from numpy.typing import NDArray
+
+from .poses import Array
+
+_STATE = int(mujoco.mjtState.mjSTATE_INTEGRATION)
+
+
+def forwarded(model: Any, source: Any, count: int | None = None) -> Iterator[tuple[Any, Any]]:
+    """Model and MjData of the first `count` simulations of `source`, after mj_forward() at the present state; default: of all.
+
+    Each MjData is valid until the next one. The simulations of `source` are only read.
+    """
+    if isinstance(source, Batch):
+        for i in range(source.nsim)[:count]:
+            of_simulation, data = source.get_model(i), source.get_data(i)
+            mujoco.mj_forward(of_simulation, data)
+            yield of_simulation, data
+        return
+    scratch, state = mujoco.MjData(model), np.empty(mujoco.mj_stateSize(model, _STATE))
+    for data in (list(source) if isinstance(source, Sequence) else [source])[:count]:
+        mujoco.mj_getState(data.model, data, state, _STATE)
+        mujoco.mj_setState(data.model, scratch, state, _STATE)
+        mujoco.mj_forward(data.model, scratch)
+        yield data.model, scratch
+
+
+def normal_forces(model: Any, source: Any, sites: Mapping[str, int], geoms: Sequence[int], count: int | None = None) -> dict[str, Array]:
+    """(N, G), N, >= 0: by site, the component along -z of S of the normal forces of the contacts of each geom with the body of the site.
+
+    At the present state, computed by mj_forward(), one simulation after the other. count: of the first simulations only.
+    """
+    rows: dict[str, list[Array]] = {name: [] for name in sites}
+    for of_simulation, data in forwarded(model, source, count):
+        pressures = [_pressure(of_simulation, data, k) for k in range(data.ncon)]
+        for name, site in sites.items():
+            rows[name].append(_along_site(of_simulation, data, site, geoms, pressures))
+    return {name: np.maximum(np.array(values).reshape(-1, len(geoms)), 0) for name, values in rows.items()}
+
+
+def _pressure(model: Any, data: Any, contact: int) -> Array:
+    """Normal force (3) of a contact on its second geom, in the world."""
+    wrench: NDArray[np.float64] = np.empty(6)
+    mujoco.mj_contactForce(model, data, contact, wrench)
+    normal: Array = wrench[0] * data.contact.frame[contact][:3]
+    return normal
+
+
+def _along_site(model: Any, data: Any, site: int, geoms: Sequence[int], pressures: Sequence[Array]) -> Array:
+    """(G): sum along -z of the site of the forces on its body."""
+    body, z = model.site_bodyid[site], data.site_xmat[site].reshape(3, 3)[:, 2]
+    sums = np.zeros(len(geoms))
+    for (first, second), force in zip(data.contact.geom, pressures, strict=True):
+        for own, other, sign in ((first, second, -1), (second, first, 1)):
+            if own >= 0 and model.geom_bodyid[own] == body and other in geoms:
+                sums[list(geoms).index(other)] -= sign * force @ z
+    return sums
