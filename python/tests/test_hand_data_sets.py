@@ -197,3 +197,27 @@ def test_a_wrong_option_of_robot_is_one_line(options: list[str], message: str) -
     assert done.returncode == 2
     assert message in done.stderr
     assert done.stderr.count("\n") == 1
+
+
+def test_program_shows_how_fingers_close() -> None:
+    """The gripper by hand: jaws at y = +-(0.04 - q0), q0 to 0.035; a finger of 0.03 and 0.02 m at angles q1 and 1.5 q1 - 0.1."""
+    scene = str(taxelsim.SCENES / "gripper_grasp.yaml")
+    shown = json.loads(robot(scene, "--json").stdout)
+    left, below = shown["fingers"]
+    assert (left["name"], below["name"], left["nearest_object"], left["distance"]) == ("left", "below", "box", 0)
+    np.testing.assert_allclose([left["X_WS_open"]["position"], left["X_WS_closed"]["position"]], [[0, 0.04, 0], [0, 0.005, 0]], atol=1e-12)
+    for q1, pose in ((np.deg2rad(-20), "X_WS_open"), (0.6, "X_WS_closed")):
+        tip = 1.5 * q1 - 0.1
+        place = [-0.05 + 0.03 * np.cos(q1) + 0.02 * np.cos(tip), 0, -0.02 + 0.03 * np.sin(q1) + 0.02 * np.sin(tip)]
+        np.testing.assert_allclose(below[pose]["position"], place, atol=1e-12)
+    jaws, *others = shown["pairs"]
+    # The jaws close together to 10 mm. Of grids of 2.5 and 3.4 mm, x of the nearest taxels differs by 0.45 mm, y by 0.05.
+    assert (jaws["sensors"], jaws["can_touch"]) == (["left", "right"], False)
+    x, y = ((np.arange(n) - (n - 1) / 2) * p for n, p in ((6, 2.5e-3), (4, 2.5e-3)))
+    u, v = ((np.arange(n) - (n - 1) / 2) * p for n, p in ((6, 3.4e-3), (14, 3.4e-3)))
+    gap = np.hypot(np.abs(np.subtract.outer(x, u)).min(), np.abs(np.subtract.outer(y, v)).min())
+    assert jaws["distance"] == pytest.approx(np.hypot(0.01, gap), rel=1e-9)
+    assert [pair["can_touch"] for pair in others] == [True, True]  # the finger reaches where the jaws are when they stay open or close
+    closed = json.loads(robot(scene, "--json", "--closed").stdout)
+    assert [joint["position"] for joint in closed["joints"]] == pytest.approx([0.035, 0.6], rel=1e-6)
+    assert "--closed" in robot(str(taxelsim.SCENES / "robots/gripper.yaml"), "--closed").stderr

@@ -7,17 +7,21 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "base/log.h"
+#include "base/yaml_parse.h"
 #include "cli/commands.h"
 #include "cli/print.h"
+#include "cli/robot_closing.h"
 #include "figures/robot_view.h"
 #include "figures/text.h"
 #include "scene/robot_file.h"
 #include "taxelsim/error.h"
+#include "taxelsim/scene.h"
 
 namespace taxelsim::cli {
 
@@ -28,7 +32,7 @@ namespace {
 struct RobotArguments {
   std::string file, png{};
   std::vector<std::string> joints{};  // NAME=POSITION
-  bool json = false;
+  bool closed = false, json = false;
 };
 
 // Degrees of a radian, millimetres of a metre.
@@ -94,6 +98,43 @@ std::vector<std::vector<std::string>> sensorRows(const Manipulator& robot, const
   return rows;
 }
 
+std::vector<std::vector<std::string>> fingerRows(const std::vector<ClosingFinger>& fingers) {
+  std::vector<std::vector<std::string>> rows{
+      {"finger", "open at, mm", "closed at, mm", "faces, open", "faces, closed", "nearest object", "distance, mm"}};
+  for (const ClosingFinger& finger : fingers) {
+    rows.push_back({finger.name, vectorText(finger.open.position, 1000, 1), vectorText(finger.closed.position, 1000, 1),
+                    vectorText(rotate(finger.open.rotation, {0, 0, 1}), 1, 2), vectorText(rotate(finger.closed.rotation, {0, 0, 1}), 1, 2),
+                    finger.object, fmt::format("{:.1f}", finger.distance * 1000)});
+  }
+  return rows;
+}
+
+std::vector<std::vector<std::string>> pairRows(const std::vector<SensorPair>& pairs) {
+  std::vector<std::vector<std::string>> rows{{"sensors", "least distance of taxels, mm", "can touch"}};
+  for (const SensorPair& pair : pairs) {
+    rows.push_back({pair.first + ", " + pair.second, fmt::format("{:.1f}", pair.distance * 1000), pair.can_touch ? "yes" : "no"});
+  }
+  return rows;
+}
+
+nlohmann::ordered_json asJson(const Pose& pose) {
+  return {{"position", pose.position}, {"rotation", pose.rotation}};
+}
+
+// Appends the fingers and the pairs.
+void addClosing(nlohmann::ordered_json& json, const std::vector<ClosingFinger>& fingers, const std::vector<SensorPair>& pairs) {
+  for (const ClosingFinger& finger : fingers) {
+    json["fingers"].push_back({{"name", finger.name},
+                               {"X_WS_open", asJson(finger.open)},
+                               {"X_WS_closed", asJson(finger.closed)},
+                               {"nearest_object", finger.object},
+                               {"distance", finger.distance}});
+  }
+  json["pairs"] = nlohmann::ordered_json::array();
+  for (const SensorPair& pair : pairs)
+    json["pairs"].push_back({{"sensors", {pair.first, pair.second}}, {"distance", pair.distance}, {"can_touch", pair.can_touch}});
+}
+
 nlohmann::ordered_json asJson(const Manipulator& robot, const std::vector<double>& positions, const std::vector<PosedSensor>& sensors) {
   nlohmann::ordered_json joints = nlohmann::ordered_json::array(), mounts = nlohmann::ordered_json::array();
   for (std::size_t j = 0; j < robot.joints.size(); ++j) {
@@ -106,21 +147,31 @@ nlohmann::ordered_json asJson(const Manipulator& robot, const std::vector<double
                       {"max_velocity", joint.max_velocity}});
   }
   for (std::size_t s = 0; s < sensors.size(); ++s) {
-    mounts.push_back({{"name", sensors[s].name},
-                      {"link", robot.sensors[s].link},
-                      {"X_WS", {{"position", sensors[s].X_WS.position}, {"rotation", sensors[s].X_WS.rotation}}}});
+    mounts.push_back({{"name", sensors[s].name}, {"link", robot.sensors[s].link}, {"X_WS", asJson(sensors[s].X_WS)}});
   }
   return {{"joints", joints}, {"sensors", mounts}};
 }
 
+// The scene of that file; none for a robot file.
+std::optional<Scene> sceneOf(const std::string& file) {
+  const YamlTree tree = parseYaml(readYamlFile(file), file);
+  const bool is_scene = std::ranges::any_of(tree.keys, [](const YamlTree::Key& key) { return key.text == "kind"; });
+  return is_scene ? std::optional(loadScene(file)) : std::nullopt;
+}
+
 int runRobot(const RobotArguments& arguments) {
   std::vector<RobotSensor> named;
-  const Robot any = loadRobotFile(arguments.file, named);
+  const std::optional<Scene> scene = sceneOf(arguments.file);
+  const Robot any = scene ? scene->robot : loadRobotFile(arguments.file, named);
+  const bool closes = scene && scene->grasp;
+  if (closes) named = scene->grasp->sensors;
   const Manipulator* const robot = std::get_if<Manipulator>(&any);
   if (robot == nullptr) throw Error(ErrorKind::kInput, arguments.file + ": a free-flying sensor has no joints to show");
   std::vector<std::string> names;
   for (std::size_t s = 0; s < robot->sensors.size(); ++s) names.push_back(named.empty() ? fmt::format("sensor {}", s) : named[s].name);
-  const std::vector<double> positions = positionsOf(*robot, arguments.joints);
+  const std::vector<double> start = positionsOf(*robot, arguments.joints);
+  if (arguments.closed && !closes) throw Error(ErrorKind::kInput, "--closed: " + arguments.file + " is not a scene of kind grasp");
+  const std::vector<double> positions = arguments.closed ? closingPositions(*scene, start, closingTime(*scene, start)) : start;
   std::vector<PosedSensor> sensors = posedSensors(*robot, positions, names);
   for (std::size_t s = 0; s < named.size(); ++s) sensors[s].sensor = &named[s].sensor;
   if (!arguments.png.empty()) {
@@ -129,11 +180,16 @@ int runRobot(const RobotArguments& arguments) {
     drawRobot(sensors, robot->name, text).save(arguments.png);
     logInfo("wrote " + arguments.png);
   }
+  const std::vector<ClosingFinger> fingers = closes ? closingFingers(*scene, start) : std::vector<ClosingFinger>();
+  const std::vector<SensorPair> pairs = closes ? closingPairs(*scene, start) : std::vector<SensorPair>();
   if (arguments.json) {
-    printJsonText(asJson(*robot, positions, sensors));
-  } else {
-    printOut("{}\n{}", tableText(jointRows(*robot, positions)), tableText(sensorRows(*robot, sensors)));
+    nlohmann::ordered_json json = asJson(*robot, positions, sensors);
+    if (closes) addClosing(json, fingers, pairs);
+    printJsonText(json);
+    return kExitOk;
   }
+  printOut("{}\n{}", tableText(jointRows(*robot, positions)), tableText(sensorRows(*robot, sensors)));
+  if (closes) printOut("\n{}\n{}", tableText(fingerRows(fingers)), tableText(pairRows(pairs)));
   return kExitOk;
 }
 
@@ -143,10 +199,15 @@ void addRobot(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("robot", "Show the joints of a robot file, and the places and directions of its sensors");
   command->footer(
       "Example:\n  taxelsim robot scenes/robots/shadow_hand.yaml --joint FFJ3=20 --png hand.png\n"
-      "Poses are in the world, at the initial joint positions unless --joint changes them.");
+      "Poses are in the world, at the initial joint positions unless --joint changes them.\n"
+      "  taxelsim robot scenes/shadow_grasp.yaml --closed --png closed.png\n"
+      "A scene of kind grasp also shows where its fingers are when open and closed, objects near their way, and sensors that can touch.");
   const auto arguments = std::make_shared<RobotArguments>();
-  command->add_option("file", arguments->file, "Robot file (YAML)")->required()->type_name("FILE");
+  command->add_option("file", arguments->file, "Robot file, or scene, whose fingers are shown as they close (YAML)")
+      ->required()
+      ->type_name("FILE");
   command->add_option("--joint", arguments->joints, "Position of a joint, degrees or mm; may be repeated")->type_name("NAME=POSITION");
+  command->add_flag("--closed", arguments->closed, "Of a scene of kind grasp: shows the posture with closed fingers");
   command->add_option("--png", arguments->png, "Picture to write (PNG)")->check(requirePngName)->type_name("FILE");
   command->add_flag("--json", arguments->json, "Print JSON, rad and m");
   command->callback([arguments, &action] { action = [arguments] { return runRobot(*arguments); }; });
