@@ -47,7 +47,7 @@ nb::dict arraysOf(const GraspView& view, nb::handle owner) {
   nb::dict arrays, sensors;
   for (const GraspSensorView& sensor : view.sensors) {
     nb::dict entry;
-    entry["frame"] = arraysOf(*sensor.frame, sensor.sensor->sensor, static_cast<int>(sensor.num_rows), owner);
+    entry["frame"] = arraysOf(*sensor.frame, sensor.sensor->sensor, static_cast<int>(sensor.num_rows), {owner});
     entry["first_row"] = sensor.first_row;
     sensors[sensor.sensor->name.c_str()] = std::move(entry);
   }

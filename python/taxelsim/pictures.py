@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .device_array import DeviceArray
 from . import _core
 from ._arguments import checked_positive
 from ._core import Scene, Sensor
 from ._files import write_whole
+from .device_array import DeviceArray
 from .errors import InputError
 
 if TYPE_CHECKING:

@@ -89,7 +89,7 @@ class Layout:
         three_axis = tuple(pad for pad in pads if column_of(pad.prefix, TAXEL_COUNTS) in source.data)
         groups += _groups(three_axis, TAXEL_COUNTS, "_axes")
         sides = tuple(dict.fromkeys(pad.side for pad in pads))
-        names = tuple(name for name, _, _ in _core.joints_of(scene)) if JOINTS in source.data else ()
+        names = tuple(name for name, *_ in _core.joints_of(scene)) if JOINTS in source.data else ()
         joints = _joints(source, names, sides, is_hand=scene.kind == Scene.Kind.GRASP)
         wrists = _wrists(source, pads, sides)
         if not wrists and not joints:
