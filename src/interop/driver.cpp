@@ -20,6 +20,7 @@ Driver load(const char* file, bool is_cuda) {
     call = reinterpret_cast<std::remove_reference_t<decltype(call)>>(::dlsym(library, name));
     if (call == nullptr) throw Error(ErrorKind::kDevice, std::string(file) + " has no " + name + "; install a newer driver");
   };
+// NOLINTNEXTLINE(bugprone-macro-parentheses): arguments are names
 #define TAXELSIM_FIND(field, arguments, cuda, hip) find(driver.field, is_cuda ? cuda : hip);
   TAXELSIM_DRIVER_CALLS(TAXELSIM_FIND)
 #undef TAXELSIM_FIND

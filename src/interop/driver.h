@@ -78,6 +78,7 @@ using Handle = void*;
   X(copyToHost, (void*, Address, std::size_t), "cuMemcpyDtoH_v2", "hipMemcpyDtoH")
 
 struct Driver {
+// NOLINTNEXTLINE(bugprone-macro-parentheses): arguments are a name and a list of types
 #define TAXELSIM_CALL(field, arguments, cuda, hip) int(*field) arguments = nullptr;
   TAXELSIM_DRIVER_CALLS(TAXELSIM_CALL)
 #undef TAXELSIM_CALL
