@@ -69,7 +69,7 @@ SharedArrays& requireShared(SharedArrays* shared);
 void copyToHost(SharedArrays& shared, const nb::ndarray<nb::ro>& array,
                 const nb::ndarray<std::uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>& result);
 
-// What DeviceArray needs of its owner, a class with withShared(use), which calls `use(shared arrays)` without the GIL.
+// The methods that DeviceArray calls. The owner has withShared(use), which calls `use(shared arrays)` without the GIL.
 template <typename Owner>
 void bindShared(nb::class_<Owner>& owner) {
   owner

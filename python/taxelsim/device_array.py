@@ -73,7 +73,7 @@ class DeviceArray:
 
 
 def on_device(batch: Batch, arrays: dict[str, Any]) -> dict[str, Any]:
-    """What arrays() of the extension module returns, with its tuples as DeviceArray."""
+    """The result of arrays() of the extension module, with its tuples as DeviceArray."""
     return {
         name: on_device(batch, value) if isinstance(value, dict) else DeviceArray(batch, *value) if isinstance(value, tuple) else value
         for name, value in arrays.items()

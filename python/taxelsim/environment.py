@@ -104,7 +104,7 @@ class Task:
 
 @dataclass(frozen=True)
 class EnvironmentLayout:
-    """What determines the shapes of the arrays of a frame."""
+    """Sensor and joints, which determine the shapes of the arrays of a frame."""
 
     sensor: Sensor
     num_sensors: int
@@ -143,7 +143,7 @@ def split_sensors(arrays: Mapping[str, Any], num_instances: int, num_sensors: in
 
 
 class EpisodeBatch:
-    """What the batches of all kinds of scenes share: instances that run episodes, whose joints the caller moves."""
+    """The common part of the batches of all kinds of scenes: instances run episodes, and the caller moves their joints."""
 
     def __init__(self, batch: _core.Environment | _core.GraspEnvironment, scene: Scene) -> None:
         self._batch: Any = batch

@@ -75,7 +75,7 @@ int mergeParts(const EvaluateArguments& arguments) {
   return kExitOk;
 }
 
-// What plays the episodes of a scene.
+// The player of the episodes of a scene.
 const char* playerOf(const Scene& scene) {
   return scene.grasp ? "gain" : "controller";
 }

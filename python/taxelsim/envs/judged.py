@@ -64,7 +64,7 @@ class ServoTask:
         return (forces if forces.ndim == 1 else forces[:, 0]).astype(np.float64)
 
     def progress(self, state: TaskState, num_steps: int) -> Array:
-        """Of `laps` or `travel`."""
+        """The advance in `laps` or `travel`."""
         required = self._task.laps or self._task.travel
         if not required:
             return np.ones(len(self._advanced))

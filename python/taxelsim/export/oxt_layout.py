@@ -70,7 +70,7 @@ class Joints:
 
 @dataclass(frozen=True)
 class Layout:
-    """What an export has."""
+    """The arrays of an export."""
 
     pads: tuple[Pad, ...]
     groups: tuple[Group, ...]

@@ -24,7 +24,7 @@ from .slots import Slots
 from .stiffness import Shear
 
 FORCES = ("skin", "engine")
-"""What determines the forces of observe()."""
+"""Sources of the forces of observe()."""
 
 MOST_DIFFERENCE = 0.2  # of the larger force, beyond which the skin and MuJoCo differ
 NUM_COMPARISONS, COMPARED = 16, 8  # frames with contact, and simulations of each, that are compared

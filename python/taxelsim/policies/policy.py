@@ -42,7 +42,7 @@ class Policy:
     normalized: bool = False
     history: int = 1
     action: str | None = None
-    """What the actions command: "twist" of the sensor, or "joint_velocities" or "joint_positions" of a robot with joints. Default: "twist",
+    """Actions command the "twist" of the sensor, or "joint_velocities" or "joint_positions" of a robot with joints. Default: "twist",
     in a scene of kind grasp "joint_velocities"."""
     actions: str | Sequence[str] | None = None
     """Components that the policy commands, out of taxelsim.policies.ACTIONS or the names of the joints. Default: all."""

@@ -63,7 +63,7 @@ def _opened(file: Path, h5py: Any) -> Iterator[Any]:
 
 
 def _about(data: Any) -> dict[str, Any]:
-    """What an export of taxelsim says of its numbers."""
+    """Units and settings that an export of taxelsim states."""
     try:
         about = json.loads(data.attrs["taxelsim"])
         return about if isinstance(about, dict) else {}
