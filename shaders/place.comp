@@ -1,17 +1,19 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Objects, poses and loads that another interface has written to memory of the device: the records that passes read, as the host writes
-// them.
+// Objects, poses and loads, or contact points, that another interface has written to memory of the device: the records that passes read, as
+// the host writes them.
 //
 // An invocation owns an instance.
 // In:  input_ids (num_instances x SLOTS), input_poses (num_instances x SLOTS x 7: position, m, rotation w, x, y, z), input_loads, N, NaN
 //      for none; features of the frame before: how far a load search has moved the objects.
-// Out: loads, with OVER_TILES; poses and, with FRICTION, motions (num_instances x SLOTS): objects that may press, then empty ones; load and
-// flag of instances;
+//      With CONTACTS instead input_positions (num_instances x CONTACTS x 3), m, input_forces (num_instances x CONTACTS), N, and
+//      input_counts (num_instances).
+// Out: with CONTACTS contacts and num_contacts. Otherwise loads, with OVER_TILES; poses and, with FRICTION, motions (num_instances x
+// SLOTS): objects that may press, then empty ones; load and flag of instances;
 //      input_problems: num_instances minus the first instance whose objects or load are not allowed. Its slot stays empty.
 // State: placed_poses (num_instances x SLOTS x kPlacedNumbers), with FRICTION.
 // Shared memory: none.
-// Reference: src/simulation/near_slots.cpp, motions.cpp and passes/load_search.cpp.
+// Reference: src/simulation/near_slots.cpp, motions.cpp, passes/load_search.cpp and pack/pack_contacts.cpp.
 
 #include "shared/features.h"
 #include "passes/declare.glsl"
@@ -88,9 +90,22 @@ void startSearch(uint i, bool is_driven, uint count) {
   loads[i] = load;
 }
 
-void main() {
-  uint i = workgroupNumber() * WORKGROUP + gl_LocalInvocationIndex;
-  if (i >= step_record.batch.x || (instances[i].keys.w & kFlagHeld) != 0) return;
+// Contact points as the records that contacts.comp reads. An instance with one that is not allowed has none.
+void placeContacts(uint i) {
+  const double kMostPlace = 1e6lf, kMostForce = 1e6lf;  // m, N: include/taxelsim/contact_point.h
+  int count = input_counts[i];
+  bool are_allowed = count >= 0 && count <= int(CONTACTS);
+  for (uint k = i * CONTACTS; are_allowed && k < i * CONTACTS + uint(count); ++k) {
+    dvec3 p = dvec3(input_positions[3 * k], input_positions[3 * k + 1], input_positions[3 * k + 2]);
+    double force = input_forces[k];
+    are_allowed = abs(p.x) <= kMostPlace && abs(p.y) <= kMostPlace && abs(p.z) <= kMostPlace && force >= 0.0lf && force <= kMostForce;
+    contacts[k].point = vec4(vec3(p), float(force));
+  }
+  if (!are_allowed) report(kContactProblems, i);
+  num_contacts[i] = are_allowed ? uint(count) : 0;
+}
+
+void placeObjects(uint i) {
   SkinBase base = SkinBase(vec4(BASE_X, BASE_Y, BASE_Z, BASE_LOWEST), vec4(BASE_ORIGIN, 0, 0, 0));
   bool is_driven = placeLoad(i);
   uint count = 0;
@@ -114,5 +129,15 @@ void main() {
   for (; count < SLOTS; ++count) {
     poses[i * SLOTS + count] = kNoPose;
     if (FRICTION) motions[i * SLOTS + count] = kNoMotion;
+  }
+}
+
+void main() {
+  uint i = workgroupNumber() * WORKGROUP + gl_LocalInvocationIndex;
+  if (i >= step_record.batch.x || (instances[i].keys.w & kFlagHeld) != 0) return;
+  if (CONTACTS > 0) {
+    placeContacts(i);
+  } else {
+    placeObjects(i);
   }
 }

@@ -142,11 +142,14 @@ struct StepTiming {
 /// there.
 using ImportMemory = std::function<void*(int descriptor, std::uint64_t bytes)>;
 
-/// Inputs in the memory of another interface, which writes to them.
+/// Inputs in the memory of another interface, which writes to them: objects, or contact points with SimulatorOptions::max_contacts.
 struct ExportedInputs {
-  std::span<std::int32_t> ids;  ///< (N x num_slots): indices into the model's objects, or kNoObject, the first value.
-  std::span<double> poses;      ///< (N x num_slots x 7): position, m, and rotation w, x, y, z of the object in S.
-  std::span<float> loads;       ///< (N): N, >= 0, or NaN, the first value, for instances that are driven by pose.
+  std::span<std::int32_t> ids;           ///< (N x num_slots): indices into the model's objects, or kNoObject, the first value.
+  std::span<double> poses;               ///< (N x num_slots x 7): position, m, and rotation w, x, y, z of the object in S.
+  std::span<float> loads;                ///< (N): N, >= 0, or NaN, the first value, for instances that are driven by pose.
+  std::span<double> positions;           ///< (N x max_contacts x 3): of contact points in S, m.
+  std::span<double> normal_forces;       ///< (N x max_contacts), N.
+  std::span<std::int32_t> num_contacts;  ///< (N): contact points of each instance, 0 to max_contacts; 0, the first value.
 };
 
 /// What a simulator has exchanged with its device since its construction. Kernels and constants of the model are left out.

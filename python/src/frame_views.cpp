@@ -156,14 +156,24 @@ nb::dict arraysOf(const FrameView& view, const Sensor& sensor, int num_instances
 }
 
 nb::dict arraysOf(const ExportedInputs& inputs, int num_instances, ArrayOwner owner) {
-  std::vector<std::size_t> slots{static_cast<std::size_t>(num_instances)};
-  if (inputs.ids.size() > slots[0]) slots.push_back(inputs.ids.size() / slots[0]);
-  std::vector<std::size_t> poses = slots;
-  poses.push_back(7);
+  const auto n = static_cast<std::size_t>(num_instances);
   nb::dict arrays;
-  arrays["ids"] = deviceArray(inputs.ids.data(), slots, owner);
-  arrays["poses"] = deviceArray(inputs.poses.data(), poses, owner);
-  arrays["loads"] = deviceArray(inputs.loads.data(), {slots[0]}, owner);
+  if (!inputs.num_contacts.empty()) {
+    const std::size_t room = inputs.normal_forces.size() / n;
+    arrays["positions"] = deviceArray(inputs.positions.data(), {n, room, 3}, owner);
+    arrays["normal_forces"] = deviceArray(inputs.normal_forces.data(), {n, room}, owner);
+    arrays["num_contacts"] = deviceArray(inputs.num_contacts.data(), {n}, owner);
+    return arrays;
+  }
+  const std::size_t num_slots = inputs.ids.size() / n;
+  const auto of_slots = [&](std::vector<std::size_t> row) {
+    if (num_slots > 1) row.insert(row.begin(), num_slots);
+    row.insert(row.begin(), n);
+    return row;
+  };
+  arrays["ids"] = deviceArray(inputs.ids.data(), of_slots({}), owner);
+  arrays["poses"] = deviceArray(inputs.poses.data(), of_slots({7}), owner);
+  arrays["loads"] = deviceArray(inputs.loads.data(), {n}, owner);
   return arrays;
 }
 

@@ -24,7 +24,7 @@ class Inputs(Arrays):
     tensors() share the memory; PyTorch and Warp write to theirs. Rows are read while step() runs. A simulator for contact points has
     `positions`, `normal_forces` and `num_contacts`, all others `ids`, `poses` and `loads`.
 
-    In the memory of a GPU the device reads `ids`, `poses` and `loads`, and the host never sees them: write to them after read(). Loads need
+    In the memory of a GPU the device reads the arrays, and the host never sees them: write to them after read(). Loads need
     Simulator.prepare(loads=True) before. The call that waits for a step whose inputs are not allowed raises InputError with the instance.
     """
 

@@ -1,6 +1,7 @@
 """Objects, poses and loads that lie in the memory of a GPU, against the same from the host, bit by bit. The driver is cuda_standin."""
 
 import ctypes
+from typing import Any
 
 import numpy as np
 import pytest
@@ -139,12 +140,44 @@ def test_wrong_loads(standin: Standin, device: taxelsim.Device, load: float) -> 
         force.copy()
 
 
+def test_contact_points_are_those_of_the_host(standin: Standin, device: taxelsim.Device) -> None:
+    random = np.random.default_rng(5)
+    model = model_of(device, "wts0614")
+    on_host, on_device = (taxelsim.Simulator(model, N, max_contacts=3, memory=memory) for memory in ("host", "cuda"))
+    arrays = {key: writable(value) for key, value in on_device.inputs.as_dict().items()}
+    assert {key: value.shape for key, value in arrays.items()} == {key: value.shape for key, value in on_host.inputs.as_dict().items()}
+    for counts in ([3, 0, 1, 2, 3, 1], [0, 1, 0, 3, 3, 2]):
+        for inputs in (on_host.inputs.as_dict(), arrays):
+            inputs["num_contacts"][:] = counts
+        positions, forces = random.uniform(-0.008, 0.008, (N, 3, 3)) * [1, 1, 0], random.uniform(0, 2, (N, 3))
+        for simulator, inputs in ((on_host, on_host.inputs.as_dict()), (on_device, arrays)):
+            inputs["positions"][:], inputs["normal_forces"][:] = positions, forces
+            simulator.step(0.01)
+            simulator.read()
+        assert_equal(on_host.read(), on_device.read().copy())
+        assert on_host.read().tactile_image.any()
+
+
+@pytest.mark.parametrize(
+    "change", [("num_contacts", 2, 4), ("num_contacts", 2, -1), ("normal_forces", (2, 0), -1.0), ("positions", (2, 0, 1), np.nan)]
+)
+def test_wrong_contact_points(standin: Standin, device: taxelsim.Device, change: tuple[str, Any, float]) -> None:
+    simulator = taxelsim.Simulator(model_of(device, "wts0614"), N, max_contacts=3, memory="cuda")
+    arrays = {key: writable(value) for key, value in simulator.inputs.as_dict().items()}
+    arrays["num_contacts"][:] = 1
+    arrays[change[0]][change[1]] = change[2]
+    simulator.step(0.01)
+    force = simulator.read().total_force
+    with pytest.raises(
+        taxelsim.InputError, match="inputs of instance 2: contact points are not allowed: 0 to 3 of them, positions of -1e6"
+    ):
+        force.copy()
+
+
 def test_setters_and_inputs_exclude_each_other(standin: Standin, device: taxelsim.Device) -> None:
     simulator = taxelsim.Simulator(model_of(device, "wts0614"), N, memory="cuda")
     inputs = simulator.inputs
     assert simulator.inputs is inputs
     for call in (lambda: simulator.set_objects(0, np.tile([0, 0, 0, 1, 0, 0, 0], (N, 1))), lambda: simulator.set_loads(1.0)):
-        with pytest.raises(taxelsim.InputError, match="takes objects and loads from"):
+        with pytest.raises(taxelsim.InputError, match="takes its inputs from memory that another interface writes"):
             call()
-    with pytest.raises(taxelsim.InputError, match="contact points in the memory of a GPU are not allowed"):
-        _ = taxelsim.Simulator(model_of(device, "wts0614"), N, memory="cuda", max_contacts=4).inputs

@@ -39,8 +39,11 @@
 #define BLOCK_InputIds BLOCK(InputIds, int, input_ids[])             // (n x num_slots), as the next two for place.comp
 #define BLOCK_InputPoses BLOCK(InputPoses, double, input_poses[])    // (n x num_slots x 7), m
 #define BLOCK_InputLoads BLOCK(InputLoads, float, input_loads[])     // (n), N
-#define BLOCK_InputProblems BLOCK(InputProblems, uint, input_problems[])  // (kNumInputProblems), place.comp
-#define BLOCK_PlacedPoses BLOCK(PlacedPoses, double, placed_poses[])      // (n x num_slots x kPlacedNumbers)
+#define BLOCK_InputPositions BLOCK(InputPositions, double, input_positions[])  // (n x max_contacts x 3), m
+#define BLOCK_InputForces BLOCK(InputForces, double, input_forces[])           // (n x max_contacts), N
+#define BLOCK_InputCounts BLOCK(InputCounts, int, input_counts[])              // (n), contact points
+#define BLOCK_InputProblems BLOCK(InputProblems, uint, input_problems[])       // (kNumInputProblems), place.comp
+#define BLOCK_PlacedPoses BLOCK(PlacedPoses, double, placed_poses[])           // (n x num_slots x kPlacedNumbers)
 #define BLOCK_Servos BLOCK(Servos, ServoRecord, servos[])
 #define BLOCK_Loop BLOCK(Loop, LoopRecord, servo_loop)
 #define BLOCK_Robot BLOCK(Robot, RobotRecord, robot)
@@ -130,6 +133,6 @@
   BLOCK_ContactCells BLOCK_TileChanges BLOCK_TaxelJacobian BLOCK_MaskedJacobian BLOCK_WrenchJacobian             \
   BLOCK_Image BLOCK_TaxelCounts BLOCK_SpreadNormal BLOCK_SpreadShear BLOCK_Features BLOCK_ContactFeatures BLOCK_TactileJacobian    \
   BLOCK_SpreadJacobian BLOCK_TwistGradient BLOCK_GainGradient BLOCK_Problems BLOCK_IntegerFeatures BLOCK_IntegerRows BLOCK_LoadBounds \
-  BLOCK_InputIds BLOCK_InputPoses BLOCK_InputLoads BLOCK_InputProblems BLOCK_PlacedPoses                                                                     \
+  BLOCK_InputIds BLOCK_InputPoses BLOCK_InputLoads BLOCK_InputPositions BLOCK_InputForces BLOCK_InputCounts BLOCK_InputProblems BLOCK_PlacedPoses                                                                     \
   BLOCK_EmptyWork BLOCK_PastState BLOCK_PastTaxelStates BLOCK_LayerStrips BLOCK_ForceFours BLOCK_ResultFours BLOCK_CleanFeatureSource BLOCK_CleanContactFeatures BLOCK_CleanTactileJacobian
 // clang-format on

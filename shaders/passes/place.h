@@ -1,4 +1,4 @@
-// Objects, poses and loads from memory that another interface writes, place.comp.
+// Objects, poses and loads, or contact points, from memory that another interface writes, place.comp.
 
 CONSTANT(11, uint, SLOTS)        // of an instance
 CONSTANT(12, uint, NUM_OBJECTS)  // of the model
@@ -14,6 +14,7 @@ CONSTANT(21, float, HIGHEST)    // LoadReach
 CONSTANT(22, float, LOWEST)
 CONSTANT(23, float, CLEARANCE)
 CONSTANT(24, float, FIRST_STEP)
+CONSTANT(25, uint, CONTACTS)  // capacity for contact points of an instance, which then takes no objects; 0
 
 BUFFER(0, readwrite, Instances)
 UNIFORM(1, Step)
@@ -28,8 +29,14 @@ BUFFER(9, writeonly, Motions)
 BUFFER(10, readwrite, InputProblems)
 BUFFER(11, readonly, LoadBounds)
 BUFFER(12, writeonly, Loads)
+BUFFER(13, readonly, InputPositions)
+BUFFER(14, readonly, InputForces)
+BUFFER(15, readonly, InputCounts)
+BUFFER(16, writeonly, Contacts)
+BUFFER(17, writeonly, NumContacts)
 
 VALUE(kPlacedNumbers, 8)   // of a slot in placed_poses: object, position, rotation
 VALUE(kObjectProblems, 0)  // words of input_problems
 VALUE(kLoadProblems, 1)
-VALUE(kNumInputProblems, 2)
+VALUE(kContactProblems, 2)
+VALUE(kNumInputProblems, 3)

@@ -26,7 +26,8 @@ struct BatchShape {
   bool keeps_candidates = false;  // between steps
 
   bool takesContacts() const { return options.max_contacts > 0; }
-  bool takesInputs() const { return options.export_memory && !takesContacts(); }
+  bool takesObjects() const { return options.export_memory && !takesContacts(); }  // from another interface
+  std::uint64_t contactInputs() const { return options.export_memory ? static_cast<std::uint64_t>(options.max_contacts) : 0; }
   bool hasFriction() const { return model.hasFriction() && !takesContacts(); }
   bool hasLayer() const { return model.layer.has_value() && !takesContacts(); }
   bool outputsShear() const { return hasFriction() && (options.outputs.tactile_shear_force || options.outputs.taxel_counts); }

@@ -196,7 +196,8 @@ gpu::Commands recordFrame(const Model::Impl& model, const BatchShape& shape, con
   commands.timestamp(0);
   if (kind.places) {
     afterFrame(commands);
-    model.place.record(recorder, {static_cast<std::uint32_t>(shape.options.num_slots), kind.loads}, base);
+    const auto num_slots = static_cast<std::uint32_t>(shape.options.num_slots);
+    model.place.record(recorder, {num_slots, static_cast<std::uint32_t>(shape.options.max_contacts), kind.loads}, base);
   }
   if (shape.takesContacts()) {
     model.contacts.record(recorder, shape.options.max_contacts);

@@ -93,11 +93,16 @@ void Simulator::Impl::checkInstance(int instance) const {
 }
 
 void Simulator::Impl::checkTakesObjects() const {
-  if (places) refuseCall("this simulator takes objects and loads from exportInputs()");
+  checkTakesCalls();
   if (takesContacts()) refuseCall("this simulator takes contacts (max_contacts > 0), neither objects nor loads");
 }
 
+void Simulator::Impl::checkTakesCalls() const {
+  if (places) refuseCall("this simulator takes its inputs from memory that another interface writes, not from calls");
+}
+
 void Simulator::Impl::checkTakesContacts() const {
+  checkTakesCalls();
   if (!takesContacts()) refuseCall("this simulator takes no contacts: max_contacts is 0");
 }
 

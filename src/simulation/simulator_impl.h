@@ -39,6 +39,7 @@ struct Simulator::Impl {
   void checkCanStep(double dt) const;
   // Each throws Error(kInput).
   void checkInstance(int instance) const;
+  void checkTakesCalls() const;
   void checkTakesObjects() const;
   void checkTakesContacts() const;
 

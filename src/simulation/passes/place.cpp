@@ -30,7 +30,8 @@ gpu::PassKernel<PlaceInterface> PlacePass::makeKernel(const Variant& variant, co
                          .HIGHEST = reach.highest,
                          .LOWEST = reach.lowest,
                          .CLEARANCE = reach.clearance,
-                         .FIRST_STEP = reach.first_step}};
+                         .FIRST_STEP = reach.first_step,
+                         .CONTACTS = variant.max_contacts}};
 }
 
 }  // namespace taxelsim

@@ -1,4 +1,4 @@
-// Objects, poses and loads from memory that another interface writes, shaders/place.comp.
+// Objects, poses and loads, or contact points, from memory that another interface writes, shaders/place.comp.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,8 @@ class PlacePass {
  public:
   struct Variant {
     std::uint32_t num_slots = 1;
-    bool loads = false;  // the frame is computed for loads
+    std::uint32_t max_contacts = 0;  // of an instance, which takes no objects then
+    bool loads = false;              // the frame is computed for loads
 
     auto operator<=>(const Variant&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 misreads it
   };
