@@ -53,6 +53,7 @@ def model_of(device: taxelsim.Device, name: str) -> taxelsim.Model:
         ("wts0614_soft_cover", 3, True),
         ("wts0614_elastic_layer", 1, True),
         ("uskin_like_4x4", 2, False),
+        ("uskin_like_4x4", 1, True),
         ("fingertip_sphere", 2, False),
         ("fingertip_sphere", 2, True),
     ],
