@@ -143,7 +143,7 @@ def split_sensors(arrays: Mapping[str, Any], num_instances: int, num_sensors: in
 
 
 class EpisodeBatch:
-    """The common part of the batches of all kinds of scenes: instances run episodes, and the caller moves their joints."""
+    """Instances that run episodes, whose joints the caller moves: base of the batches of all kinds of scenes."""
 
     def __init__(self, batch: _core.Environment | _core.GraspEnvironment, scene: Scene) -> None:
         self._batch: Any = batch

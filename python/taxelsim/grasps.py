@@ -74,7 +74,7 @@ class GraspState(Arrays):
 
 @dataclass(frozen=True)
 class GraspTask:
-    """The aim of a grasp: at the end each finger holds its target force."""
+    """The task of a scene of kind grasp: at the end each finger holds its target force."""
 
     tolerance: float
     """Fraction of the target force."""
@@ -94,7 +94,7 @@ class GraspTask:
 
 @dataclass(frozen=True)
 class GraspLayout:
-    """Sensors, fingers and joints, which determine the shapes of the arrays of a frame."""
+    """Sensors and counts that determine the shapes of the arrays of a frame."""
 
     sensors: dict[str, Sensor]
     num_joints: int
@@ -102,7 +102,7 @@ class GraspLayout:
 
     @staticmethod
     def of(scene: Scene) -> GraspLayout:
-        """The layout of `scene`, which has kind grasp."""
+        """The layout of `scene`, of kind grasp."""
         return GraspLayout(dict(scene.sensors), len(_core.joints_of(scene)), len(GraspTask.of(scene).fingers))
 
     @property

@@ -75,7 +75,7 @@ int mergeParts(const EvaluateArguments& arguments) {
   return kExitOk;
 }
 
-// The player of the episodes of a scene.
+// Word for the players of a scene.
 const char* playerOf(const Scene& scene) {
   return scene.grasp ? "gain" : "controller";
 }

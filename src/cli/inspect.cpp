@@ -262,7 +262,7 @@ std::vector<std::string> rowOf(const Column& column, const Statistics& statistic
           countText(statistics.num_non_finite)};
 }
 
-// Whether a column belongs to another sensor than the one of that name.
+// True for a column of another sensor than the one of that name.
 bool isOfAnother(const Column& column, const std::string& sensor, const std::vector<std::string>& sensors) {
   return !sensor.empty() && std::ranges::any_of(sensors, [&](const std::string& other) {
     return other != sensor && column.name.starts_with("data/" + other + "/");

@@ -121,7 +121,7 @@ nlohmann::ordered_json asJson(const Pose& pose) {
   return {{"position", pose.position}, {"rotation", pose.rotation}};
 }
 
-// Appends the fingers and the pairs.
+// Adds fingers and pairs of sensors.
 void addClosing(nlohmann::ordered_json& json, const std::vector<ClosingFinger>& fingers, const std::vector<SensorPair>& pairs) {
   for (const ClosingFinger& finger : fingers) {
     json["fingers"].push_back({{"name", finger.name},

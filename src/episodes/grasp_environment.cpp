@@ -21,6 +21,10 @@ const Scene& checkedGrasp(const Scene& scene, const EnvironmentOptions& options)
     throw Error(ErrorKind::kInput,
                 scene.file.generic_string() + ": kind: " + wordOf(scene.kind) + " found, a hand's environment needs grasp");
   }
+  if (options.max_regions != 0) {
+    throw Error(ErrorKind::kInput, "max_regions: " + std::to_string(options.max_regions) +
+                                       " is not allowed: 0, since a hand's regions are those of its scene");
+  }
   checkScene(scene);
   checkBelow("task", [&] { checkGraspTask(scene.grasp->task, scene.num_steps / scene.simulation_rate); });
   return scene;

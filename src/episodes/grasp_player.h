@@ -26,7 +26,7 @@ class GraspPlayer {
   // `policy` must outlive this.
   GraspPlayer(const Scene& scene, const std::optional<Policy>& policy);
 
-  // Who moves the joints of the batch, and the outputs that it needs in addition to those of the caller.
+  // Arguments of the batch: its mover of joints, and its outputs, which are those of `caller` and of the policy.
   GraspBatch::Joints joints() const { return policy_ ? GraspBatch::Joints::kByCaller : GraspBatch::Joints::kByLaw; }
   OutputOptions outputs(const OutputOptions& caller) const;
 

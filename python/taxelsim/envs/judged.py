@@ -22,16 +22,16 @@ class JudgedTask(Protocol):
     tolerances: Array  #: (measures); NaN without a criterion.
 
     def errors(self, frame: Any, state: Any) -> Array:
-        """(N, measures), in the units of `tolerances`."""
+        """Errors (N, measures), in the units of `tolerances`."""
 
     def is_lost(self, state: Any) -> Mask:
-        """(N): contact is lost."""
+        """Whether contact is lost, (N)."""
 
     def forces(self, frame: Any, state: Any) -> Array:
-        """(N), N, total force that the reward limits."""
+        """Total force that the reward limits, (N), N."""
 
     def progress(self, state: Any, num_steps: int) -> Array:
-        """(N): advance since the preceding call over the one that completes the task in num_steps calls; 1 without such a demand."""
+        """Advance (N) since the preceding call over the one that completes the task in num_steps calls; 1 without such a demand."""
 
     def restart(self, mask: Mask) -> None:
         """Episodes of the environments in `mask` (N) begin."""
@@ -51,20 +51,20 @@ class ServoTask:
         self.tolerances = np.array([self._task.tolerances.get(name, np.nan) for name in TASK_MEASURES])
 
     def errors(self, frame: EnvironmentFrame, state: TaskState) -> Array:
-        """Errors by TASK_MEASURES."""
+        """Returns the errors by TASK_MEASURES."""
         return state.errors
 
     def is_lost(self, state: TaskState) -> Mask:
-        """No contact."""
+        """Tests whether the sensor touches nothing."""
         return ~state.contact.astype(np.bool_)
 
     def forces(self, frame: EnvironmentFrame, state: TaskState) -> Array:
-        """Clean total force of sensor 0."""
+        """Returns the clean total force of sensor 0."""
         forces = frame.ground_truth.total_force
         return (forces if forces.ndim == 1 else forces[:, 0]).astype(np.float64)
 
     def progress(self, state: TaskState, num_steps: int) -> Array:
-        """The advance in `laps` or `travel`."""
+        """Compares the advance in `laps` or `travel` with the required one."""
         required = self._task.laps or self._task.travel
         if not required:
             return np.ones(len(self._advanced))
@@ -74,11 +74,11 @@ class ServoTask:
         return progress
 
     def restart(self, mask: Mask) -> None:
-        """Advances count from the start."""
+        """Sets the advance to 0."""
         self._advanced[mask] = 0
 
     def info(self, frame: EnvironmentFrame, state: TaskState) -> dict[str, NDArray[Any]]:
-        """Contact, forces and errors."""
+        """Returns contact, forces and errors."""
         info: dict[str, NDArray[Any]] = {
             "contact": state.contact.astype(np.bool_),
             "num_losses": state.num_losses.copy(),
@@ -101,29 +101,29 @@ class HandTask:
         self._num_envs = num_envs
 
     def errors(self, frame: GraspFrame, state: GraspState) -> Array:
-        """|F - F*| / (tolerance F*) of each finger."""
+        """Returns |F - F*| / (tolerance F*) of each finger."""
         errors: Array = np.abs(state.forces - frame.target_forces) / (self._task.tolerance * frame.target_forces)
         return errors
 
     def is_lost(self, state: GraspState) -> Mask:
-        """A finger has touched, and touches no longer."""
+        """Tests whether a finger has touched, and touches no longer."""
         lost: Mask = (state.were_in_contact & (state.forces == 0)).any(axis=1)
         return lost
 
     def forces(self, frame: GraspFrame, state: GraspState) -> Array:
-        """Largest clean total force of a finger."""
+        """Returns the largest clean total force of a finger."""
         largest: Array = state.forces.max(axis=1)
         return largest
 
     def progress(self, state: GraspState, num_steps: int) -> Array:
-        """Nothing has to advance."""
+        """Returns 1: a grasp has no advance."""
         return np.ones(self._num_envs)
 
     def restart(self, mask: Mask) -> None:
-        """Nothing is kept."""
+        """Does nothing: this task keeps no state."""
 
     def info(self, frame: GraspFrame, state: GraspState) -> dict[str, NDArray[Any]]:
-        """Contact, forces and errors of each finger."""
+        """Returns contact, forces and errors of each finger."""
         return {
             "contact": state.forces > 0,
             "num_losses": state.num_losses.copy(),

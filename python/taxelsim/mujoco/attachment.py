@@ -152,7 +152,7 @@ class Attachment:
         return frames
 
     def _place(self) -> None:
-        """Objects at their poses."""
+        """Sets the objects to their poses."""
         for name, simulator in self.simulators.items():
             simulator.set_objects(*self._slots[name].assign(self._poses(name)))
             if self._is_pressed:
@@ -160,7 +160,7 @@ class Attachment:
         self._is_pressed = False
 
     def _press(self, source: Sources, dt: float, instances: npt.ArrayLike | None) -> None:
-        """Objects at their poses, and the loads of MuJoCo's contacts."""
+        """Sets the objects to their poses, and the loads of MuJoCo's contacts."""
         for name, sensor in self.sensors.items():
             if isinstance(sensor.skin.law, Proximity):
                 raise InputError(f"site {name!r}: forces='engine' is not allowed with the law proximity, which has no forces: 'skin'")

@@ -58,6 +58,8 @@ def evaluate(
     loaded, needs = loaded_scene(scene), workers or Workers()
     check_tasks(task_seconds, max_retries, batch_size, num_slices)
     needs.needs()
+    if loaded.kind == Scene.Kind.GRASP:
+        raise InputError(f"{loaded.file}: a scene of kind grasp is not allowed: taxelsim.evaluate_part(), merge_grasp_evaluations()")
     if not loaded.has_task:
         raise InputError(f"{loaded.file}: has no task by which episodes could be judged")
     names = as_names(controllers)
