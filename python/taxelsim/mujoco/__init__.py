@@ -1,4 +1,4 @@
-"""MuJoCo: tactile arrays at the sites of a model, touched by its geoms. Needs MuJoCo 4: pip install 'taxelsim[mujoco]'.
+"""MuJoCo: tactile arrays at the sites and on the geoms of a model, touched by its geoms. Needs MuJoCo 4: pip install 'taxelsim[mujoco]'.
 
 >>> import mujoco, taxelsim.mujoco
 >>> model = mujoco.MjModel.from_xml_path("hand.xml")
@@ -17,6 +17,7 @@ except ImportError as error:
 from .attachment import Attachment, Sources, attach
 from .coupling import Coupling, couple
 from .geoms import shape_of
+from .mounts import GeomSensor, cover_geom, grid_on_geom
 from .points import points_of
 
-__all__ = ["Attachment", "Coupling", "Sources", "attach", "couple", "points_of", "shape_of"]
+__all__ = ["Attachment", "Coupling", "GeomSensor", "Sources", "attach", "couple", "cover_geom", "grid_on_geom", "points_of", "shape_of"]

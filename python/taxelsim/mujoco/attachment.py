@@ -1,16 +1,15 @@
-"""Sensors at sites of a MuJoCo model: frames from the state of its simulations."""
+"""Sensors at sites and on geoms of a MuJoCo model: frames from the state of its simulations."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from os import PathLike
 from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
 
 from .._arguments import checked_names
-from .._core import Device, Model, Object, OutputOptions, Proximity, Sensor, load_sensor
+from .._core import Device, Model, Object, OutputOptions, Proximity, Sensor
 from .._log import warn_once
 from ..environment import NO_OUTPUTS
 from ..errors import InputError
@@ -18,7 +17,8 @@ from ..frame import Frame
 from ..inputs import NO_OBJECT
 from ..simulator import Simulator
 from .forces import normal_forces
-from .geoms import Geom, find, select
+from .geoms import Geom, select
+from .mounts import Mount, SensorSource, mount_of
 from .poses import Array, Kinematics
 from .slots import Slots
 from .stiffness import Shear
@@ -35,7 +35,7 @@ Sources = Any
 
 def attach(
     model: Any,
-    sensors: Mapping[str, str | PathLike[str] | Sensor],
+    sensors: Mapping[str, SensorSource],
     geoms: Sequence[str | int] | None = None,
     *,
     num_instances: int = 1,
@@ -45,9 +45,10 @@ def attach(
     image_unit: str = "counts",
     max_regions: int = 0,
 ) -> Attachment:
-    """Sensors at sites of a mujoco.MjModel, touched by its geoms. Reads shapes from the model, no files.
+    """Sensors at sites and on geoms of a mujoco.MjModel, touched by its geoms. Reads shapes from the model, no files.
 
     sensors: sensor file, or Sensor, by the name of the site. The frame of the site is the sensor frame S: z out of the skin.
+        A GeomSensor of grid_on_geom() or cover_geom() needs no site and has any name.
     geoms: names, or numbers, of the geoms that touch them; default: all but those on the body of the sensor. A plane is infinite, a mesh
         touches with its triangles and not with its convex hull, an ellipsoid becomes a mesh within 10 um.
     num_instances: N, simulations that observe() takes.
@@ -60,26 +61,26 @@ def attach(
 
 
 def read_model(
-    model: Any, sensors: Mapping[str, str | PathLike[str] | Sensor], geoms: Sequence[str | int] | None, device: Device | None
-) -> tuple[Any, dict[str, int], dict[str, Sensor], list[Geom], Device]:
-    """First arguments of Attachment: the model, sites, sensors, geoms and device."""
+    model: Any, sensors: Mapping[str, SensorSource], geoms: Sequence[str | int] | None, device: Device | None
+) -> tuple[Any, dict[str, Mount], dict[str, Sensor], list[Geom], Device]:
+    """First arguments of Attachment: the model, mounts, sensors, geoms and device."""
     if not sensors:
         raise InputError("sensors: at least one is needed, as {site: sensor file}")
-    sites = {name: find(model, "site", name) for name in sensors}
-    selected = select(model, geoms, sites.values())
-    read = {name: value if isinstance(value, Sensor) else load_sensor(value) for name, value in sensors.items()}
-    return model, sites, read, selected, Device.open() if device is None else device
+    found = {name: mount_of(model, name, source) for name, source in sensors.items()}
+    mounts = {name: mount for name, (mount, _) in found.items()}
+    selected = select(model, geoms, [mount.body for mount in mounts.values()])
+    return model, mounts, {name: sensor for name, (_, sensor) in found.items()}, selected, Device.open() if device is None else device
 
 
 class Attachment:
-    """Sensors at the sites of one MjModel. Made by attach()."""
+    """Sensors on one MjModel. Made by attach()."""
 
     _moves_bodies: ClassVar = False
 
     def __init__(
         self,
         model: Any,
-        sites: Mapping[str, int],
+        mounts: Mapping[str, Mount],
         sensors: Mapping[str, Sensor],
         geoms: Sequence[Geom],
         device: Device,
@@ -91,10 +92,10 @@ class Attachment:
         self.num_instances = num_instances
         self.sensors = dict(sensors)
         self.geoms = list(geoms)
-        self._sites = sites
+        self._mounts = mounts
         self._indices = [geom.index for geom in geoms]
         self._rotations = np.array([geom.rotation for geom in geoms])
-        self._slots = {name: Slots(name, sensor, geoms, num_instances) for name, sensor in sensors.items()}
+        self._slots = {name: Slots(mounts[name].label, sensor, geoms, num_instances) for name, sensor in sensors.items()}
         objects = [Object(geom.shape, geom.name) for geom in geoms]
         models: list[Model] = []
         for sensor in sensors.values():  # sensors of one kind share a model
@@ -117,7 +118,7 @@ class Attachment:
     def observe(
         self, source: Sources, dt: float | None = None, instances: npt.ArrayLike | None = None, *, forces: str = "skin"
     ) -> dict[str, Frame]:
-        """Frames of all sensors, by site, at the present state (qpos, mocap_pos, mocap_quat) of the simulations.
+        """Frames of all sensors, by name, at the present state (qpos, mocap_pos, mocap_quat) of the simulations.
 
         source: a mujoco.batch.Batch with nsim = num_instances, a sequence of as many MjData, or one MjData. It is only read.
         dt: s, simulated time since the last call, in which the skin has moved; default: one time step of the model.
@@ -213,7 +214,7 @@ class Attachment:
 
     def _poses(self, name: str) -> npt.NDArray[np.float64]:
         """X_SO (N, G, 7) of all geoms, at the state of the last update of the kinematics."""
-        return self._kinematics.relative(self._sites[name], self._indices, self._rotations)
+        return self._kinematics.relative(self._mounts[name], self._indices, self._rotations)
 
     def reset(self, instances: npt.ArrayLike | None = None, episodes: npt.ArrayLike | None = None, **variation: float) -> None:
         """Starts an episode on some instances of every sensor, after their simulations were reset; see Simulator.reset()."""

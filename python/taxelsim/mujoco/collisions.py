@@ -2,27 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from typing import Any
 
 import mujoco
 
 from ..errors import InputError
 from .geoms import Geom, geom_name
+from .mounts import Mount
 
 
-def refuse_collisions(model: Any, sites: Mapping[str, int], geoms: Iterable[Geom]) -> None:
+def refuse_collisions(model: Any, mounts: Iterable[Mount], geoms: Iterable[Geom]) -> None:
     """Raises InputError if MuJoCo computes contacts between one of the geoms and a geom on the body of a sensor."""
     if model.opt.disableflags & int(mujoco.mjtDisableBit.mjDSBL_CONTACT):
         return
-    for name, site in sites.items():
-        body = int(model.site_bodyid[site])
-        own = [i for i in range(model.ngeom) if model.geom_bodyid[i] == body]
+    for mount in mounts:
+        own = [i for i in range(model.ngeom) if model.geom_bodyid[i] == mount.body]
         for geom in geoms:
             for other in own:
                 if _collide(model, geom.index, other):
                     raise InputError(
-                        f"{geom.name} and {geom_name(model, other)}, on the body of site {name!r}, collide in MuJoCo as well: "
+                        f"{geom.name} and {geom_name(model, other)}, on the body of {mount.label}, collide in MuJoCo as well: "
                         "exclude their bodies by <contact><exclude body1= body2=/></contact>, or clear contype and conaffinity"
                     )
 

@@ -23,7 +23,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from os import PathLike
 from typing import Any
 
 import mujoco
@@ -39,6 +38,7 @@ from .collisions import refuse_collisions
 from .contacts import Contacts
 from .engine import Engine, engine_of
 from .geoms import Geom
+from .mounts import Mount, SensorSource
 from .poses import Array
 from .stiffness import check_law, join, split
 
@@ -50,7 +50,7 @@ INTEGRATORS = ("Euler", "implicit", "implicitfast")
 
 def couple(
     model: Any,
-    sensors: Mapping[str, str | PathLike[str] | Sensor],
+    sensors: Mapping[str, SensorSource],
     geoms: Sequence[str | int] | None = None,
     *,
     num_instances: int = 1,
@@ -72,14 +72,14 @@ def couple(
 
 
 class Coupling(Attachment):
-    """Sensors at the sites of one MjModel that push the bodies which touch them. Made by couple()."""
+    """Sensors on one MjModel that push the bodies which touch them. Made by couple()."""
 
     _moves_bodies = True
 
     def __init__(
         self,
         model: Any,
-        sites: Mapping[str, int],
+        mounts: Mapping[str, Mount],
         sensors: Mapping[str, Sensor],
         geoms: Sequence[Geom],
         device: Device,
@@ -92,8 +92,8 @@ class Coupling(Attachment):
             raise InputError(f"integrator {integrator} is not allowed: two-way coupling takes {', '.join(INTEGRATORS)}")
         for name, sensor in sensors.items():
             check_law(sensor, name)
-        refuse_collisions(model, sites, geoms)
-        super().__init__(model, sites, sensors, geoms, device, num_instances, options)
+        refuse_collisions(model, mounts.values(), geoms)
+        super().__init__(model, mounts, sensors, geoms, device, num_instances, options)
         self._contacts = {name: Contacts(simulator, len(geoms), options["seed"]) for name, simulator in self.simulators.items()}
         self._bodies = model.geom_bodyid[self._indices]
         self._observed: Array | None = None
@@ -185,11 +185,11 @@ class Coupling(Attachment):
 
     def _relative_jacobian(self, name: str, geom: int) -> Array:
         """(N, 6, nv): twist of the sensor against the object, at the origin of S in S, per velocity."""
-        kinematics, site = self._kinematics, self._sites[name]
-        points = kinematics.site_positions[:, site]
-        sensor = kinematics.batch.jac(int(self.model.site_bodyid[site]), points)
+        kinematics, mount = self._kinematics, self._mounts[name]
+        points, rotations, _ = kinematics.frames_of(mount)
+        sensor = kinematics.batch.jac(mount.body, points)
         body = kinematics.batch.jac(int(self._bodies[geom]), points)
-        inverse = np.swapaxes(kinematics.site_rotations[:, site].reshape(-1, 3, 3), 1, 2)
+        inverse = np.swapaxes(rotations, 1, 2)
         return np.concatenate([inverse @ (a - b) for a, b in zip(sensor, body, strict=True)], axis=1)
 
     def _implicit(self, pairs: list[tuple[str, int]], wrench: Array, mobility: Array, free: Array, dt: float) -> Array:

@@ -54,13 +54,13 @@ def find(model: Any, kind: str, name: str | int) -> int:
     return index
 
 
-def select(model: Any, names: Sequence[str | int] | None, sites: Iterable[int]) -> list[Geom]:
-    """Geoms by name or number; without names all that move against a sensor: those that are not welded to the body of every site.
+def select(model: Any, names: Sequence[str | int] | None, bodies: Iterable[int]) -> list[Geom]:
+    """Geoms by name or number; without names all that move against a sensor: those that are not welded to the body of every sensor.
 
     Raises InputError if there is none, one is named twice, or one has a shape that taxelsim does not have.
     """
     if names is None:
-        welded = {int(model.body_weldid[model.site_bodyid[site]]) for site in sites}
+        welded = {int(model.body_weldid[body]) for body in bodies}
         indices = [i for i in range(model.ngeom) if {int(model.body_weldid[model.geom_bodyid[i]])} != welded]
     else:
         indices = [find(model, "geom", name) for name in names]

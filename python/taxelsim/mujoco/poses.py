@@ -1,4 +1,4 @@
-"""Poses of sites and geoms of a batch, from the present state of each simulation."""
+"""Poses of sensors and geoms of a batch, from the present state of each simulation."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ import numpy as np
 from mujoco.batch import Batch
 from numpy.typing import NDArray
 
+from .._arrays import rotation_matrices
 from ..errors import InputError
+from .mounts import Mount
 
 Array = NDArray[np.float64]
 
@@ -59,6 +61,7 @@ class Kinematics:
         self.site_rotations: Array = self.batch.bind("site_xmat")
         self.site_quaternions: Array = self.batch.bind("site_xquat")
         self.geom_positions: Array = self.batch.bind("geom_xpos")
+        self.geom_rotations: Array = self.batch.bind("geom_xmat")
         self.geom_quaternions: Array = self.batch.bind("geom_xquat")
         self._inertia: Array = self.batch.bind("M")  # the lower triangle, by rows
         self._rows = np.repeat(np.arange(model.nv), model.M_rownnz)
@@ -105,11 +108,22 @@ class Kinematics:
                 raise InputError(f"{kind} of another model: {name} differs from that of the attached model")
         self._equal_models[model._address] = model
 
-    def relative(self, site: int, geoms: Sequence[int], R_GO: Array) -> Array:
-        """X_SO (N, G, 7) of geoms in the frame of a site. R_GO (G, 4): rotations of the objects in the frames of their geoms."""
-        offsets = self.geom_positions[:, geoms] - self.site_positions[:, np.newaxis, site]
-        positions = offsets @ self.site_rotations[:, site].reshape(-1, 3, 3)  # rows times R_WS: rotated by its transpose
-        inverse = self.site_quaternions[:, np.newaxis, site] * (1, -1, -1, -1)
+    def frames_of(self, mount: Mount) -> tuple[Array, Array, Array]:
+        """Positions (N, 3), rotations (N, 3, 3) and quaternions (N, 4) of the frame of a sensor in the world."""
+        if mount.kind == "site":
+            site = mount.index
+            return self.site_positions[:, site], self.site_rotations[:, site].reshape(-1, 3, 3), self.site_quaternions[:, site]
+        rotations = self.geom_rotations[:, mount.index].reshape(-1, 3, 3)
+        positions = self.geom_positions[:, mount.index] + rotations @ mount.X.position
+        turn = np.array(mount.X.rotation)
+        return positions, rotations @ rotation_matrices(turn[np.newaxis])[0], product(self.geom_quaternions[:, mount.index], turn)
+
+    def relative(self, mount: Mount, geoms: Sequence[int], R_GO: Array) -> Array:
+        """X_SO (N, G, 7) of geoms in the frame of a sensor. R_GO (G, 4): rotations of the objects in the frames of their geoms."""
+        origins, rotations, quaternions = self.frames_of(mount)
+        offsets = self.geom_positions[:, geoms] - origins[:, np.newaxis]
+        positions = offsets @ rotations  # rows times R_WS: rotated by its transpose
+        inverse = quaternions[:, np.newaxis] * (1, -1, -1, -1)
         return np.concatenate((positions, product(inverse, product(self.geom_quaternions[:, geoms], R_GO))), axis=2)
 
     def mass_matrices(self, dt: float) -> tuple[Array, Array]:

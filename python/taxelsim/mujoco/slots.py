@@ -28,8 +28,8 @@ def touch_sphere(sensor: Sensor) -> tuple[NDArray[np.float64], float]:
 class Slots:
     """Slots of the objects of one sensor in every instance. An object keeps its slot while it is near, so that friction follows it."""
 
-    def __init__(self, site: str, sensor: Sensor, geoms: Sequence[Geom], num_instances: int) -> None:
-        self.site = site
+    def __init__(self, label: str, sensor: Sensor, geoms: Sequence[Geom], num_instances: int) -> None:
+        self.label = label
         self.center, self.reach = touch_sphere(sensor)
         self.geoms = geoms
         self.reaches = self.reach + np.array([geom.radius for geom in geoms])
@@ -72,7 +72,7 @@ class Slots:
         if counts.max() > MAX_SLOTS:
             row = int(counts.argmax())
             raise InputError(
-                f"instance {row}: {counts[row]} geoms are near site {self.site!r}, at most {MAX_SLOTS} allowed; name fewer in geoms=[...]"
+                f"instance {row}: {counts[row]} geoms are near {self.label}, at most {MAX_SLOTS} allowed; name fewer in geoms=[...]"
             )
         slot_of = np.where(near, self.slot_of, -1)
         taken = (slot_of[:, :, np.newaxis] == np.arange(self.num_slots)).any(axis=1)

@@ -5,15 +5,16 @@
 | `contact` | (6) | centre of pressure (x, y, z), m, then force on the sensor (x, y, z), N, both in S |
 | `tactile_image` | (rows, cols) of one patch, else (taxels) | counts, int32; or newtons by the nominal curve, float32 |
 | `taxel_counts` | (rows, cols, 3) of one patch, else (taxels, 3) | counts of three-axis taxels along x, y and the normal, int32 |
+| `binary_contact` | (1) | 1 if a taxel is above its trigger, else 0 |
+| `binary_image` | (rows, cols) of one patch, else (taxels) | 1 for each taxel with counts, else 0 |
+| `center_of_pressure` | (3) | of the tactile image, m, in S; 0 without contact |
 | `features` | (13) | moments of the tactile image, in the order of FEATURES |
-| `center_of_pressure` | (3) | centre of pressure (x, y, z) in S, m; 0 without contact |
-| `touch` | (1) | 1 if the sensor reads a force above 0, else 0 |
 | `proprioception` | (7 + joints) | pose of S relative to its start: position, m, quaternion (w, x, y, z); joint positions, rad or m |
 | `joint_positions`, `joint_velocities` | (joints) | rad or m; rad/s or m/s |
 | `start_contact` | (6) | `contact` in the first frame of the episode |
 | `target_force` | (fingers) | N, force that each finger must hold; scenes of kind grasp |
 
-All but counts are float32. With several sensors per environment those of a sensor have an axis (sensors) in front, `touch` is (sensors),
+All but counts are float32. With several sensors per environment those of a sensor have an axis (sensors) in front, `binary_contact` is (sensors),
 and `proprioception` has 7 numbers per sensor. Centre, z of the force and features come from the tactile image, so gain and noise of the
 sensor affect them. A
 tactile image has no shear, so x and y of the force are the true ones; they are 0 on a flat skin without friction. `taxel_counts` needs a
@@ -47,7 +48,16 @@ Layout = EnvironmentLayout | GraspLayout
 AnyFrame = EnvironmentFrame | GraspFrame
 Values = NDArray[Any]
 
-SENSOR_OBSERVATIONS = ("contact", "tactile_image", "taxel_counts", "features", "center_of_pressure", "touch", "start_contact")
+SENSOR_OBSERVATIONS = (
+    "contact",
+    "tactile_image",
+    "taxel_counts",
+    "binary_contact",
+    "binary_image",
+    "center_of_pressure",
+    "features",
+    "start_contact",
+)
 """Names of observations of a sensor."""
 
 OBSERVATIONS = (*SENSOR_OBSERVATIONS, "proprioception", "joint_positions", "joint_velocities", "target_force")
@@ -128,6 +138,30 @@ def _newtons(layout: EnvironmentLayout) -> _Block:
     return _Block(bounds, np.array(SCALES["N"], np.float32), lambda frame: frame.tactile_image, live=True, table=table)
 
 
+def touched(frame: Any) -> NDArray[np.float32]:
+    """`binary_contact` of a frame, (N, sensors): whether any taxel is above its trigger."""
+    return (np.asarray(frame.contact_area) > 0).astype(np.float32).reshape(len(frame.contact_area), -1)
+
+
+def _binary_contact(layout: EnvironmentLayout) -> _Block:
+    shape = (layout.num_sensors,)
+    return _Block(Bounds(np.zeros(shape, np.float32), np.ones(shape, np.float32)), np.array(1, np.float32), touched)
+
+
+def _binary_image(layout: EnvironmentLayout) -> _Block:
+    shape, table = (*_sensors(layout), *layout.image_shape), np.ones(layout.saturation + 1, np.float32)
+    table[0] = 0
+    bounds = Bounds(np.zeros(shape, np.float32), np.ones(shape, np.float32))
+    return _Block(bounds, np.array(1, np.float32), lambda frame: frame.tactile_image, live=True, table=table)
+
+
+def _center_of_pressure(layout: EnvironmentLayout) -> _Block:
+    def read(frame: EnvironmentFrame) -> Values:
+        return np.array(frame.center_of_pressure, np.float32)
+
+    return _Block(_unbounded((*_sensors(layout), 3)), np.array(SCALES["m"], np.float32), read)
+
+
 def _features(layout: EnvironmentLayout) -> _Block:
     def read(frame: EnvironmentFrame) -> Values:
         parts = [(frame[name], size) for name, size, _ in FEATURES]
@@ -135,19 +169,6 @@ def _features(layout: EnvironmentLayout) -> _Block:
 
     scale = np.array([SCALES[unit] for _, size, unit in FEATURES for _ in range(size)], np.float32)
     return _Block(_unbounded((*_sensors(layout), len(scale))), scale, read)
-
-
-def _center_of_pressure(layout: EnvironmentLayout) -> _Block:
-    scale = np.array(SCALES["m"], np.float32)
-    return _Block(_unbounded((*_sensors(layout), 3)), scale, lambda frame: frame.center_of_pressure.astype(np.float32))
-
-
-def _touch(layout: EnvironmentLayout) -> _Block:
-    def read(frame: EnvironmentFrame) -> Values:
-        return (frame.total_force > 0).reshape(-1, layout.num_sensors).astype(np.float32)
-
-    shape = (layout.num_sensors,)
-    return _Block(Bounds(np.zeros(shape, np.float32), np.ones(shape, np.float32)), np.array(1, np.float32), read)
 
 
 def _proprioception(layout: Layout) -> _Block:
@@ -190,8 +211,9 @@ _SENSOR_BLOCKS: dict[str, Callable[[EnvironmentLayout], _Block]] = {
     "tactile_image": _counts,
     "taxel_counts": _taxel_counts,
     "features": _features,
+    "binary_contact": _binary_contact,
+    "binary_image": _binary_image,
     "center_of_pressure": _center_of_pressure,
-    "touch": _touch,
     "start_contact": _start_contact,
 }
 
@@ -219,7 +241,7 @@ def _joined(blocks: Sequence[_Block], num_taxels: Sequence[int], quantity: str) 
     shapes = [block.bounds.low.shape for block in blocks]
 
     def join(parts: Sequence[Values]) -> Values:  # (K, *shape) each
-        if quantity == "touch":
+        if quantity == "binary_contact":
             return np.concatenate(parts, axis=1)
         if len(set(shapes)) == 1:
             return np.stack(parts, axis=1)

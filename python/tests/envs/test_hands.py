@@ -15,7 +15,7 @@ from ..policies.networks import write_mlp
 
 GRIPPER = taxelsim.SCENES / "gripper_grasp.yaml"  # sensors left (6 x 4), right (6 x 14), below (6 x 4); fingers left and below; 100 Hz
 JOINTS = ("jaw", "bend")
-ALL = ("contact", "tactile_image", "touch", "target_force", "joint_positions", "joint_velocities", "right/features", "proprioception")
+ALL = ("contact", "tactile_image", "binary_contact", "target_force", "joint_positions", "joint_velocities", "right/features", "proprioception")
 
 
 @pytest.fixture(scope="module")
@@ -101,7 +101,7 @@ def test_observations_of_sensors_and_joints(device, scene):
     assert shapes == {
         "contact": (3, 6),
         "tactile_image": (24 + 84 + 24,),
-        "touch": (3,),
+        "binary_contact": (3,),
         "target_force": (2,),
         "joint_positions": (2,),
         "joint_velocities": (2,),
@@ -119,8 +119,8 @@ def test_observations_of_sensors_and_joints(device, scene):
     assert np.array_equal(observation["below/tactile_image"], frame.sensors.below.tactile_image)
     forces = np.stack([frame.sensors[name].total_force for name in ("left", "right", "below")], axis=1)
     assert np.array_equal(observation["contact"][..., 5], -forces)
-    assert np.array_equal(observation["touch"], forces > 0)
-    assert observation["touch"].any()
+    assert np.array_equal(observation["binary_contact"], forces > 0)
+    assert observation["binary_contact"].any()
     assert np.array_equal(observation["left/contact"], observation["contact"][:, 0])
     assert np.array_equal(observation["left/center_of_pressure"], observation["contact"][:, 0, :3])
 
@@ -199,7 +199,7 @@ def test_reward_counts_fingers_that_hold(device, scene):
         ({"action": "joint_positions", "angular_scale": 1}, "angular_scale: 1 is not allowed with 'joint_positions'"),
         ({"observations": "top/contact"}, "observations: 'top/contact' is not allowed: contact"),
         ({"observations": "taxel_counts"}, "'taxel_counts' needs a sensor with readout.three_axis"),
-        ({"observations": ("touch", "touch")}, "'touch' found twice"),
+        ({"observations": ("binary_contact", "binary_contact")}, "'touch' found twice"),
     ],
 )
 def test_what_a_hand_has_not_is_refused(device, scene, arguments, message):

@@ -17,9 +17,11 @@ def test_observations_are_in_their_spaces_and_in_si_units(make):
     assert {name: values.shape[1:] for name, values in observation.items()} == {
         "contact": (6,),
         "tactile_image": (6, 14),
+        "binary_contact": (1,),
+        "binary_image": (6, 14),
+        "center_of_pressure": (3,),
         "features": (13,),
         "center_of_pressure": (3,),
-        "touch": (1,),
         "start_contact": (6,),
         "proprioception": (7,),
     }
@@ -28,10 +30,26 @@ def test_observations_are_in_their_spaces_and_in_si_units(make):
     contact, features = observation["contact"], observation["features"]
     assert np.array_equal(contact[:, :3], features[:, 2:5])
     assert np.array_equal(contact[:, :3], observation["center_of_pressure"])
-    assert (observation["touch"] == 1).all()
+    assert (observation["binary_contact"] == 1).all()
     assert np.array_equal(-contact[:, 5], features[:, 0])
     assert ((features[:, 0] > 0.5) & (features[:, 0] < 4)).all()
     assert (np.abs(contact[:, :2]) < 0.03).all()
+
+
+def test_binary_observations_and_the_center_follow_from_the_image(make):
+    """At rest over the object nothing is touched: both states occur in an episode that lifts the sensor."""
+    env = make(4, observations=OF_ANY_SENSOR)
+    observation, seen = env.reset(seed=0)[0], set()
+    for _ in range(8):  # an episode lasts longer
+        image = observation["tactile_image"]
+        assert np.array_equal(observation["binary_image"], image > 0)
+        assert np.array_equal(observation["binary_contact"][:, 0], (image > 0).any(axis=(1, 2)))
+        assert np.array_equal(observation["center_of_pressure"], observation["contact"][:, :3])
+        seen |= set(observation["binary_contact"][:, 0])
+        lift = np.zeros((4, env.single_action_space.shape[0]), np.float32)
+        lift[:2, 2] = -1  # along -z, off the object, in two of the environments
+        observation = env.step(lift)[0]
+    assert seen == {0, 1}
 
 
 def test_one_name_gives_an_array(make):

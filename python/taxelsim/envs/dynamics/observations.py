@@ -4,6 +4,9 @@
 |---|---|---|
 | `contact` | (4) | centre of pressure x, y, z, m; normal force, N; of the tactile image |
 | `tactile_image` | (rows, cols) | counts, int32 |
+| `binary_contact` | (1) | 1 if a taxel is above its trigger, else 0 |
+| `binary_image` | (rows, cols) | 1 for each taxel with counts, else 0 |
+| `center_of_pressure` | (3) | of the tactile image, m |
 | `shear` | (3) | shear force x, y, N, and torque about z, N m, on the sensor |
 | `shear_image` | (rows, cols, 2) | shear force of each taxel, N |
 | `features` | (13) | as FEATURES |
@@ -23,9 +26,9 @@ from numpy.typing import NDArray
 
 from ..._core import Sensor
 from ...frame import Frame
-from ...policies.observations import FEATURES
+from ...policies.observations import FEATURES, touched
 
-TACTILE = ("contact", "tactile_image", "shear", "shear_image", "features")
+TACTILE = ("contact", "tactile_image", "binary_contact", "binary_image", "center_of_pressure", "shear", "shear_image", "features")
 """Observations that come from the sensor."""
 
 OBSERVATIONS = (*TACTILE, "proprioception", "goal")
@@ -38,6 +41,12 @@ def tactile(name: str, frame: Frame) -> NDArray[Any]:
         return np.column_stack((frame.center_of_pressure, frame.total_force)).astype(np.float32)
     if name == "tactile_image":
         return np.array(frame.tactile_image)
+    if name == "binary_contact":
+        return touched(frame)
+    if name == "binary_image":
+        return (frame.tactile_image > 0).astype(np.float32)
+    if name == "center_of_pressure":
+        return np.array(frame.center_of_pressure, np.float32)
     if name == "shear":
         return truth.contact_wrench[:, [0, 1, 5]].astype(np.float32)  # on a flat skin only friction acts along x and y and about z
     if name == "shear_image":
@@ -53,8 +62,11 @@ def space(name: str, sensor: Sensor, num_joints: int, num_goal: int) -> spaces.B
     image = (patch.num_rows, patch.num_cols)
     if name == "tactile_image":
         return spaces.Box(0, sensor.readout.saturation, image, np.int32)
+    if name.startswith("binary"):
+        return spaces.Box(0, 1, image if name == "binary_image" else (1,), np.float32)
     shapes = {
         "contact": (4,),
+        "center_of_pressure": (3,),
         "shear": (3,),
         "shear_image": (*image, 2),
         "features": (sum(size for _, size, _ in FEATURES),),

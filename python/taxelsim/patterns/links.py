@@ -1,0 +1,131 @@
+"""Taxels on links of a URDF, without a physics engine."""
+
+from __future__ import annotations
+
+import math
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Sequence
+from os import PathLike
+from pathlib import Path
+
+import numpy.typing as npt
+
+from .._core import Box, Cylinder, Pose, Sphere, axis_angle, load_mesh
+from ..errors import InputError, IoError
+from .placement import Placed, cover_shape, grid_on_shape, turned
+from .surface import Shape
+from .taxels import LIKE, SensorLike
+
+
+def grid_on_link(
+    urdf: str | PathLike[str],
+    link: str,
+    rows: int,
+    cols: int,
+    pitch: float | Sequence[float],
+    *,
+    direction: npt.ArrayLike = (0, 0, 1),
+    raised: float = 0.0,
+    like: SensorLike = LIKE,
+    collision: int | None = None,
+) -> Placed:
+    """A flat grid on a flat part of a link; see grid_on_shape(). X_BS is the pose of the sensor in the link, the `mount` of a robot file.
+
+    direction: (3), in the frame of the link. collision: number of the <collision> of the link, from 0; needed if it has several.
+
+    Raises InputError for a link or geometry that is not there, and IoError for a file that cannot be read.
+    """
+    shape, X_BO = _shape_of(Path(urdf), link, collision)
+    placed = grid_on_shape(shape, rows, cols, pitch, direction=turned(X_BO, direction), raised=raised, like=like)
+    return Placed(placed.sensor, X_BO * placed.X_BS)
+
+
+def cover_link(
+    urdf: str | PathLike[str],
+    link: str,
+    pitch: float,
+    *,
+    direction: npt.ArrayLike | None = None,
+    half_angle: float = math.pi / 2,
+    raised: float = 0.0,
+    like: SensorLike = LIKE,
+    collision: int | None = None,
+) -> Placed:
+    """Taxels over the curved surface of a link; see cover_shape(), and grid_on_link() for the other arguments and for errors."""
+    shape, X_BO = _shape_of(Path(urdf), link, collision)
+    axis = None if direction is None else turned(X_BO, direction)
+    placed = cover_shape(shape, pitch, direction=axis, half_angle=half_angle, raised=raised, like=like)
+    return Placed(placed.sensor, X_BO * placed.X_BS)
+
+
+def _shape_of(urdf: Path, link: str, collision: int | None) -> tuple[Shape, Pose]:
+    """Shape of a link in O, and its pose X_BO in the link."""
+    try:
+        root = ElementTree.fromstring(urdf.read_bytes())
+    except OSError as error:
+        raise IoError(f"{urdf}: {error.strerror}") from error
+    except ElementTree.ParseError as error:
+        raise InputError(f"{urdf}: {error}") from error
+    links = {element.get("name", ""): element for element in root.findall("link")}
+    if link not in links:
+        raise InputError(f"{urdf}: link {link!r} is not there; it has {', '.join(map(repr, links)) or 'none'}")
+    found = links[link].findall("collision")
+    if collision is None and len(found) != 1:
+        raise InputError(f"{urdf}: link {link!r} has {len(found)} <collision>, 1 allowed without the argument collision")
+    if collision is not None and not 0 <= collision < len(found):
+        raise InputError(f"collision: {collision} is not allowed: link {link!r} has {len(found)}, counted from 0")
+    element = found[collision or 0]
+    geometry = element.find("geometry")
+    kinds = list(geometry) if geometry is not None else []
+    if len(kinds) != 1:
+        raise InputError(f"{urdf}: link {link!r}: {len(kinds)} shapes in <geometry> are not allowed: 1")
+    return _shape(urdf, link, kinds[0]), _origin(urdf, link, element.find("origin"))
+
+
+def _shape(urdf: Path, link: str, element: ElementTree.Element) -> Shape:
+    def numbers(key: str, count: int) -> list[float]:
+        return _numbers(f"{urdf}: link {link!r}: {key} of <{element.tag}>", element.get(key, ""), count)
+
+    if element.tag == "box":
+        return Box(numbers("size", 3))
+    if element.tag == "sphere":
+        return Sphere(numbers("radius", 1)[0])
+    if element.tag == "cylinder":
+        return Cylinder(radius=numbers("radius", 1)[0], length=numbers("length", 1)[0])
+    if element.tag == "mesh":
+        scale = numbers("scale", 3) if element.get("scale") else [1.0]
+        if len(set(scale)) > 1:
+            raise InputError(f"{urdf}: link {link!r}: scale {scale} of a mesh is not allowed: equal along x, y and z")
+        return load_mesh(_mesh_file(urdf, element.get("filename", "")), scale=scale[0])
+    raise InputError(f"{urdf}: link {link!r}: <{element.tag}> is not allowed: <box>, <sphere>, <cylinder> or <mesh>")
+
+
+def _mesh_file(urdf: Path, name: str) -> Path:
+    """A file relative to the URDF; one of a package in a folder of that name above the URDF, or next to one."""
+    if not name.startswith("package://"):
+        return urdf.parent / name.removeprefix("file://")
+    package, _, rest = name.removeprefix("package://").partition("/")
+    above = urdf.resolve().parents
+    found = [folder for folder in (*(f for f in above if f.name == package), *(f / package for f in above)) if (folder / rest).is_file()]
+    if not found:
+        raise InputError(f"{urdf}: {name} is not found: a folder {package!r} above the file, or next to one, with {rest!r} is expected")
+    return found[0] / rest
+
+
+def _origin(urdf: Path, link: str, element: ElementTree.Element | None) -> Pose:
+    """Roll about x, then pitch about y, then yaw about z, all fixed axes."""
+    if element is None:
+        return Pose()
+    xyz, rpy = (_numbers(f"{urdf}: link {link!r}: {key} of <origin>", element.get(key, "0 0 0"), 3) for key in ("xyz", "rpy"))
+    turns = [Pose(rotation=axis_angle([float(i == k) for i in range(3)], angle)) for k, angle in enumerate(rpy)]
+    return Pose(xyz, (turns[2] * turns[1] * turns[0]).rotation)
+
+
+def _numbers(name: str, text: str, count: int) -> list[float]:
+    try:
+        values = [float(word) for word in text.split()]
+    except ValueError:
+        values = []
+    if len(values) != count or not all(map(math.isfinite, values)):
+        raise InputError(f"{name}: {text!r} is not allowed: {count} finite number{'s' if count > 1 else ''}")
+    return values
