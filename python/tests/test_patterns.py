@@ -152,3 +152,69 @@ def test_a_mesh_of_a_package_is_found_above_the_file(tmp_path) -> None:
     placed = patterns.cover_link(folder / "urdf/r.urdf", "tip", 0.004)
     again = patterns.cover_shape(taxelsim.load_mesh(folder / "tip.obj", scale=0.5), 0.004)
     assert placed.sensor == again.sensor
+
+
+def write_pattern(file, positions, normals) -> None:
+    if file.suffix == ".npz":
+        np.savez(file, positions=positions, normals=normals)
+    else:
+        rows = [",".join(map(str, (*p, *n))) for p, n in zip(positions, normals, strict=True)]
+        file.write_text("\n".join(["# places in mm", "x,y,z,nx,ny,nz", *rows]))
+
+
+@pytest.mark.parametrize("ending", ["csv", "npz"])
+def test_a_file_is_its_arrays_in_the_unit_that_is_named(tmp_path, ending: str) -> None:
+    positions, normals = [[0, 0, 0], [3, 0, 0], [3, 4, 0.5]], [UP, (0, 0.6, 0.8), (0, 2, 0)]
+    write_pattern(tmp_path / f"tip.{ending}", positions, normals)
+    sensor = patterns.load_pattern(tmp_path / f"tip.{ending}", unit="mm", like=taxelsim.SCENES / "sensors/wts0614.yaml")
+    expected = patterns.sensor_of(np.array(positions) * 1e-3, normals, name="tip", like=taxelsim.SCENES / "sensors/wts0614.yaml")
+    assert sensor == expected
+    np.testing.assert_allclose(sensor.taxel_positions, np.array(positions) * 1e-3)
+    np.testing.assert_allclose(np.asarray(sensor.taxel_normals)[2], (0, 1, 0), atol=1e-12)
+    assert sensor.patches[0].pitch == pytest.approx([0.003, 0.003])  # the median of 3, 3 and 4.03 mm
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "unit", "message"),
+    [
+        ("a.csv", "x,y,z,nx,ny,nz\n0,0,0,0,0,1\n0,24,0,0,0,1\n", "m", "a span of 24 m is not allowed: at most 1 m"),
+        ("a.csv", "x,y,z,nx,ny,nz\n0,0,0,0,0,1\n0,24,0,0,0,0\n", "mm", "normals: length 0 of taxel 1"),
+        ("a.csv", "x,y,z,nx,ny,nz\n1,2,3,0,0,1\n1,2,3,0,0,1\n", "mm", "positions: taxels 0 and 1 at one place"),
+        ("a.csv", "x,y,z,nx,ny\n0,0,0,0,0\n", "m", "column 'nz' is missing"),
+        ("a.csv", "x,y,z,nx,ny,nz\n0,0,0,0,0,1\n0,a,0,0,0,1\n", "m", "a.csv:3: y: 'a' is not allowed: a number"),
+        ("a.csv", "", "m", "a line of names and at least one row expected"),
+        ("a.csv", "x,y,z,nx,ny,nz\n0,0,0,0,0,1\n", "furlong", "unit: 'furlong' is not allowed: m, mm, cm, um, in"),
+        ("a.npz", "not a zip", "m", "is not allowed: an NPZ file of numbers"),
+        ("a.txt", "", "m", "ending '.txt' is not allowed: .csv or .npz"),
+    ],
+)
+def test_bad_files_are_one_line(tmp_path, name: str, content: str, unit: str, message: str) -> None:
+    (tmp_path / name).write_text(content)
+    with pytest.raises(taxelsim.InputError) as error:
+        patterns.load_pattern(tmp_path / name, unit=unit)
+    assert message in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("arrays", "message"),
+    [
+        ({"positions": PAIR}, "array 'normals' is missing; it has positions"),
+        ({"positions": PAIR, "normals": [UP]}, "normals: shape (1, 3) is not allowed"),
+        (
+            {"positions": np.array(PAIR).T, "normals": [UP, UP]},
+            "positions: float64 of shape (3, 2) is not allowed: numbers of shape (T, 3)",
+        ),
+        ({"positions": [["a"] * 3] * 2, "normals": [UP, UP]}, "of shape (2, 3) is not allowed: numbers of shape (T, 3)"),
+    ],
+)
+def test_bad_archives_are_one_line(tmp_path, arrays, message: str) -> None:
+    np.savez(tmp_path / "a.npz", **arrays)
+    with pytest.raises(taxelsim.InputError, match=r"a\.npz") as error:
+        patterns.load_pattern(tmp_path / "a.npz")
+    assert message in str(error.value)
+
+
+def test_a_missing_file_is_an_io_error(tmp_path) -> None:
+    with pytest.raises(taxelsim.IoError, match="No such file"):
+        patterns.load_pattern(tmp_path / "a.csv")

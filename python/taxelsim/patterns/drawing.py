@@ -12,7 +12,6 @@ from .surface import Array
 # Of the views from +x, -y and +z: axis to the right, axis upwards, axis towards the viewer and its sign.
 _VIEWS = ((1, 2, 0, 1), (0, 2, 1, -1), (0, 1, 2, 1))
 _COVERED = 0.86  # of a side of a taxel; the rest is the gap that makes taxels countable
-_POINTS = 24  # per side of a taxel
 _BACK = 60  # grey of a taxel that looks away
 _MARGIN = 8  # pixels
 
@@ -23,22 +22,16 @@ def draw(sensor: Sensor, height: int = 360) -> NDArray[np.uint8]:
     Colours go from the first taxel (dark) to the last one (bright); taxels that look away are grey. Nearer taxels hide others.
     height: pixels, at least 32.
     """
-    corners, towards, levels = _points(sensor)
-    spans = np.ptp(corners.reshape(-1, 3), axis=0)
-    scale = (max(32, height) - 2 * _MARGIN) / max(float(spans.max()), 1e-9)
-    pictures = [_view(corners, towards, levels, scale, max(32, height), view) for view in range(3)]
-    return np.concatenate(pictures, axis=1)
-
-
-def _points(sensor: Sensor) -> tuple[Array, Array, Array]:
-    """Points on the taxels (T, P, 3), their normals (T, 3) and levels of colours (T)."""
-    axes, middles = taxel_axes(sensor), np.asarray(sensor.taxel_positions)
+    pixels = max(32, height) - 2 * _MARGIN
     sides = np.concatenate([np.tile(patch.pitch, (patch.num_rows * patch.num_cols, 1)) for patch in sensor.patches])
-    steps = (np.arange(_POINTS) / (_POINTS - 1) - 0.5) * _COVERED
+    middles, axes = np.asarray(sensor.taxel_positions), taxel_axes(sensor) * (_COVERED * sides)[..., np.newaxis]
+    scale = pixels / float(np.ptp(middles, axis=0).max() + sides.max())
+    steps = np.linspace(-0.5, 0.5, int(np.ceil(sides.max() * scale)) + 2)  # of the points on a side, less than a pixel apart
     u, v = (grid.ravel() for grid in np.meshgrid(steps, steps))
-    along = u[:, np.newaxis] * (axes[:, 0] * sides[:, :1])[:, np.newaxis]
-    across = v[:, np.newaxis] * (axes[:, 1] * sides[:, 1:])[:, np.newaxis]
-    return middles[:, np.newaxis] + along + across, np.asarray(sensor.taxel_normals), np.linspace(0.1, 1, len(middles))
+    points = middles[:, np.newaxis] + np.einsum("p,ta->tpa", u, axes[:, 0]) + np.einsum("p,ta->tpa", v, axes[:, 1])
+    levels = np.linspace(0.1, 1, len(middles))
+    views = [_view(points, np.asarray(sensor.taxel_normals), levels, scale, pixels + 2 * _MARGIN, view) for view in range(3)]
+    return np.concatenate(views, axis=1)
 
 
 def _view(points: Array, normals: Array, levels: Array, scale: float, height: int, view: int) -> NDArray[np.uint8]:
