@@ -2,6 +2,7 @@
 
 python -m learn run TASK --folder DIR    trains, evaluates, writes bench/results/learn-TASK.json and the page
 python -m learn dynamics --folder DIR    the same by PPO for the tasks with dynamics; bench/results/dynamics-ppo.json
+python -m learn controls --folder DIR    the same with other observations of touch; bench/results/dynamics-controls.json
 python -m learn page                     writes docs/notes/benchmark.md and its picture from bench/results/
 
 DIR keeps networks and evaluations: a run that was stopped skips what is complete. --episodes N: of an evaluation, default 1000.
@@ -23,13 +24,14 @@ from report import ROOT, machine, write_json
 
 from taxelsim import Device
 
-from . import dynamics
+from . import controls, dynamics
 from .page import page
 from .recipe import DYNAMIC_RECIPES, RECIPES, TRAINING_SEED, recipe_of
 
 RESULTS = ROOT / "bench/results"
 DYNAMICS = RESULTS / "dynamics.json"  # of bench/python/dynamics_success.py
 TRAINED_DYNAMICS = RESULTS / "dynamics-ppo.json"
+CONTROLS = RESULTS / "dynamics-controls.json"
 PAGE, PICTURE = ROOT / "docs/notes/benchmark.md", ROOT / "docs/images/benchmark_curves.png"
 HERE = Path(__file__).parent
 
@@ -69,16 +71,16 @@ def commit() -> str:
     return subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.strip()
 
 
-def run_dynamics(tasks: list[str], folder: Path, num_episodes: int, seed: int) -> None:
+def run_dynamics(tasks: list[str], senses: list[str], file: Path, folder: Path, num_episodes: int, seed: int) -> None:
     """Trains and evaluates the policies of some tasks with dynamics. The results of other tasks and seeds stay in the file."""
     from . import dynamic_training
 
     folder.mkdir(parents=True, exist_ok=True)
     device = Device.open()
-    found = json.loads(TRAINED_DYNAMICS.read_text())["tasks"] if TRAINED_DYNAMICS.exists() else {}
+    found = tasks_of(file)
     for task in tasks:
         trained_at, recipe = commit(), DYNAMIC_RECIPES[task]
-        for sense in dynamics.SCRIPTS:
+        for sense in senses:
             if not (folder / f"{task}-{sense}.json").exists():
                 dynamic_training.train(task, sense, recipe, folder, device, seed)
         result = {
@@ -89,14 +91,14 @@ def run_dynamics(tasks: list[str], folder: Path, num_episodes: int, seed: int) -
             "seed": dynamic_training.EVALUATION_SEED,
             "training_seed": seed,
             "recipe": dataclasses.asdict(recipe),
-            "trainings": {sense: json.loads((folder / f"{task}-{sense}.json").read_text()) for sense in dynamics.SCRIPTS},
-            "evaluations": dynamic_training.evaluations(task, list(dynamics.SCRIPTS), folder, num_episodes, device),
+            "trainings": {sense: json.loads((folder / f"{task}-{sense}.json").read_text()) for sense in senses},
+            "evaluations": dynamic_training.evaluations(task, senses, folder, num_episodes, device),
         }
         if seed == TRAINING_SEED:
             found[task] = {**result, "repetitions": found.get(task, {}).get("repetitions", {})}
         else:
             found[task].setdefault("repetitions", {})[str(seed)] = result
-        write_json(TRAINED_DYNAMICS, {"tasks": {name: found[name] for name in DYNAMIC_RECIPES if name in found}})
+        write_json(file, {"tasks": {name: found[name] for name in DYNAMIC_RECIPES if name in found}})
 
 
 def results() -> dict[str, dict[str, Any]]:
@@ -105,14 +107,19 @@ def results() -> dict[str, dict[str, Any]]:
     return {task: json.loads(file.read_text()) for task, file in files.items() if file.exists()}
 
 
+def tasks_of(file: Path) -> dict[str, Any]:
+    """Results of PPO by task; empty without the file."""
+    return dict(json.loads(file.read_text())["tasks"]) if file.exists() else {}
+
+
 def page_text() -> str:
     """docs/notes/benchmark.md."""
     found = results()
     notes = {task: file.read_text() for task in found if (file := HERE / "notes" / f"{task}.md").exists()}
-    trained = json.loads(TRAINED_DYNAMICS.read_text())["tasks"] if TRAINED_DYNAMICS.exists() else None
-    texts = [(HERE / f"notes/{name}.md").read_text() for name in ("dynamics", "dynamics-ppo")]
-    scripted = dynamics.section(json.loads(DYNAMICS.read_text()), texts[0], trained, texts[1])
-    return page((HERE / "page.md").read_text(), found, notes, scripted)
+    texts = [(HERE / f"notes/{name}.md").read_text() for name in ("dynamics", "dynamics-ppo", "dynamics-controls")]
+    scripted = dynamics.section(json.loads(DYNAMICS.read_text()), texts[0], tasks_of(TRAINED_DYNAMICS), texts[1])
+    controlled = controls.section(tasks_of(CONTROLS), texts[2])
+    return page((HERE / "page.md").read_text(), found, notes, "\n\n".join(filter(None, (scripted, controlled))))
 
 
 def write_page() -> None:
@@ -133,18 +140,20 @@ def main() -> None:
     runner.add_argument("--folder", type=Path, required=True)
     runner.add_argument("--episodes", type=int, default=1000)
     runner.add_argument("--set", action="append", default=[], metavar="KEY=VALUE")
-    dynamic = commands.add_parser("dynamics")
-    dynamic.add_argument("--tasks", default=",".join(DYNAMIC_RECIPES), help="list, separated by commas")
-    dynamic.add_argument("--folder", type=Path, required=True)
-    dynamic.add_argument("--episodes", type=int, default=100)
-    dynamic.add_argument("--seed", type=int, default=TRAINING_SEED, help="of the training; another one repeats it, in a folder of its own")
+    for name, tasks in (("dynamics", ",".join(DYNAMIC_RECIPES)), ("controls", "GraspHold")):
+        dynamic = commands.add_parser(name)
+        dynamic.add_argument("--tasks", default=tasks, help="list, separated by commas")
+        dynamic.add_argument("--folder", type=Path, required=True)
+        dynamic.add_argument("--episodes", type=int, default=100)
+        dynamic.add_argument("--seed", type=int, default=TRAINING_SEED, help="of the training; another one repeats it, in its own folder")
     commands.add_parser("page")
     options = parser.parse_args()
     if options.command == "run":
         changes = {key: ast.literal_eval(value) for key, _, value in (text.partition("=") for text in options.set)}
         run(options.task, options.folder, options.episodes, changes)
-    if options.command == "dynamics":
-        run_dynamics(options.tasks.split(","), options.folder, options.episodes, options.seed)
+    if options.command in ("dynamics", "controls"):
+        senses, file = {"dynamics": (dynamics.SCRIPTS, TRAINED_DYNAMICS), "controls": (controls.POLICIES, CONTROLS)}[options.command]
+        run_dynamics(options.tasks.split(","), list(senses), file, options.folder, options.episodes, options.seed)
     write_page()
 
 

@@ -1,4 +1,6 @@
-"""PPO of Stable-Baselines3 on the tasks with dynamics: policies that get what the scripts get, with touch, without shear and blind."""
+"""PPO of Stable-Baselines3 on the tasks with dynamics: policies that get what the scripts get, with touch, without shear and blind, and
+controls that get one observation of touch instead.
+"""
 
 from __future__ import annotations
 
@@ -32,12 +34,22 @@ LEAST_FORCE = 0.2  # N, of the start, by which later forces are divided
 LIMIT = 5.0  # of an input of the network, in standard deviations
 
 
+CONTROLS = {"image": "tactile_image", "center": "center_of_pressure", "binary": "binary_contact"}
+"""Observation of touch of a control, by its name. All other policies get contact and shear, or parts of them."""
+
+
+def observations_of(sense: str) -> tuple[str, ...]:
+    """Observations of a policy."""
+    return (*((CONTROLS[sense],) if sense in CONTROLS else ("contact", "shear")), "proprioception", "goal")
+
+
 class Inputs:
     """Observations and step numbers to inputs (N, num_inputs) of a network without memory. Keeps the first observations of each episode.
 
     Contents: contact, shear, goal, positions of the joints, the lag of each behind its target; contact and shear of the first frame, what
     they changed since, the normal force relative to the first one, and the part of the episode that has passed.
-    sense: "shear", "normal" or "blind", as of the scripts; what is not sensed is 0.
+    sense: "shear", "normal" or "blind", as of the scripts; what is not sensed is 0. Of CONTROLS: that observation takes the place of
+    contact and shear, and there is no relative force.
     """
 
     def __init__(self, sense: str, max_steps: int) -> None:
@@ -59,6 +71,9 @@ class Inputs:
         return self._inputs(one, self._felt(one), self._first[row : row + 1], np.array([step]))[0]
 
     def _felt(self, observation: Mapping[str, NDArray[Any]]) -> NDArray[np.float64]:
+        if self._sense in CONTROLS:
+            values = observation[CONTROLS[self._sense]]
+            return values.reshape(len(values), -1).astype(np.float64)
         contact, shear = (observation[name].astype(np.float64) for name in ("contact", "shear"))
         return np.concatenate((contact * (self._sense != "blind"), shear * (self._sense == "shear")), axis=1)
 
@@ -67,9 +82,9 @@ class Inputs:
     ) -> NDArray[np.float32]:
         joints = observation["proprioception"].astype(np.float64)
         positions, targets = np.split(joints, 2, axis=1)
-        relative = felt[:, 3:4] / np.maximum(first[:, 3:4], LEAST_FORCE)
+        relative = () if self._sense in CONTROLS else (felt[:, 3:4] / np.maximum(first[:, 3:4], LEAST_FORCE),)
         passed = steps[:, np.newaxis] / self._max_steps
-        parts = (felt, observation["goal"], positions, targets - positions, first, felt - first, relative, passed)
+        parts = (felt, observation["goal"], positions, targets - positions, first, felt - first, *relative, passed)
         return np.concatenate(parts, axis=1).astype(np.float32)
 
 
@@ -118,7 +133,7 @@ class Successes(BaseCallback):
 def train(task: str, sense: str, recipe: DynamicRecipe, folder: Path, device: taxelsim.Device, seed: int = TRAINING_SEED) -> None:
     """Trains a policy; writes TASK-SENSE.zip, the policy, TASK-SENSE.npz, the scales of its inputs, and TASK-SENSE.json."""
     torch.set_num_threads(NUM_THREADS)
-    envs = gymnasium.make_vec(f"taxelsim/{task}-v0", num_envs=recipe.num_envs, condition=TRAINING_CONDITION, device=device)
+    envs = _environments(task, sense, recipe.num_envs, TRAINING_CONDITION, device)
     scaled = VecNormalize(InputsVecEnv(envs, sense, seed), clip_obs=LIMIT, gamma=recipe.gamma)  # type: ignore[arg-type]
     model = PPO(
         "MlpPolicy",
@@ -142,6 +157,14 @@ def train(task: str, sense: str, recipe: DynamicRecipe, folder: Path, device: ta
     (folder / f"{task}-{sense}.json").write_text(json.dumps(content, indent=1) + "\n")
 
 
+def _environments(task: str, sense: str, num_envs: int, condition: str, device: taxelsim.Device) -> DynamicVectorEnv:
+    envs = gymnasium.make_vec(
+        f"taxelsim/{task}-v0", num_envs=num_envs, condition=condition, device=device, observations=observations_of(sense)
+    )
+    assert isinstance(envs, DynamicVectorEnv)
+    return envs
+
+
 class TrainedPolicy:
     """The mean action of a policy that train() wrote."""
 
@@ -159,7 +182,10 @@ class TrainedPolicy:
 
 
 def evaluations(task: str, senses: Sequence[str], folder: Path, num_episodes: int, device: taxelsim.Device) -> dict[str, dict[str, Any]]:
-    """Successes by condition and sense, one digit per episode, in the episodes of the scripts. Keeps each in a file of `folder`."""
+    """Successes by condition and sense, one digit per episode, in the episodes of the scripts. Keeps each in a file of `folder`.
+
+    `peak_force` and `mean_force`, N: medians over the episodes of the largest and the mean true normal force.
+    """
     results: dict[str, dict[str, Any]] = {condition: {} for condition in CONDITIONS}
     for condition in CONDITIONS:
         for sense in senses:
@@ -167,11 +193,11 @@ def evaluations(task: str, senses: Sequence[str], folder: Path, num_episodes: in
             if file.exists():
                 results[condition][sense] = json.loads(file.read_text())
                 continue
-            envs = gymnasium.make_vec(f"taxelsim/{task}-v0", num_envs=num_episodes, condition=condition, device=device)
-            assert isinstance(envs, DynamicVectorEnv)
+            envs = _environments(task, sense, num_episodes, condition, device)
             found = evaluate(envs, TrainedPolicy(task, sense, folder, envs.max_episode_steps), EVALUATION_SEED)
             envs.close()
             print(f"{task} {condition}: {sense} {found} %", flush=True)
-            results[condition][sense] = {"successes": "".join("01"[int(success)] for success in found.success)}
+            forces = {name: round(float(np.median(found.metrics[name])), 4) for name in ("peak_force", "mean_force")}
+            results[condition][sense] = {"successes": "".join("01"[int(success)] for success in found.success), **forces}
             file.write_text(json.dumps(results[condition][sense]) + "\n")
     return results

@@ -97,3 +97,19 @@ def test_demonstrations_are_what_a_policy_observes(device, tmp_path):
     kept = np.concatenate([first + np.arange(num_observed) for first in (0, data.num_frames // 2)])
     assert found.shape[1] == HISTORY * sum(SIZES.values())
     assert torch.allclose(found[kept], expected, atol=1e-5)
+
+
+@pytest.mark.parametrize(("sense", "size"), [("binary", 1), ("center", 3), ("image", 84), ("shear", 7)])
+def test_a_control_gets_its_observation_alone(device: taxelsim.Device, sense: str, size: int) -> None:
+    """Inputs of two environments: what is felt now, first and as a change, goal, joints and the part of the episode, no other touch."""
+    pytest.importorskip("stable_baselines3")
+    from learn.dynamic_training import Inputs, _environments, observations_of
+
+    envs = _environments("GraspHold", sense, 2, "nominal", device)
+    observation, _ = envs.reset(seed=1)
+    assert tuple(observation) == observations_of(sense)
+    inputs = Inputs(sense, envs.max_episode_steps)(observation, np.zeros(2, np.int64))
+    others = envs.num_goal + observation["proprioception"].shape[1] + 1
+    assert inputs.shape == (2, 3 * size + others + (sense == "shear"))
+    felt = np.concatenate([observation[name].reshape(2, -1) for name in observations_of(sense)[:-2]], axis=1)
+    np.testing.assert_allclose(inputs[:, :size], felt, rtol=1e-6)

@@ -161,3 +161,31 @@ def test_committed_results_of_ppo_are_complete(dynamics):
         for policies in content["evaluations"].values():
             assert list(policies) == list(dynamics.SCRIPTS)
             assert {len(entry["successes"]) for entry in policies.values()} == {content["episodes"]}
+
+
+def test_controls_are_compared_with_contact_and_shear(learn_page):
+    from learn import controls
+
+    senses = {sense: {**result(n), "mean_force": 1.125} for sense, n in zip(controls.POLICIES, (150, 100, 150, 90, 0), strict=True)}
+    one = {"evaluations": dict.fromkeys(("nominal", "randomized", "unseen"), senses)}
+    lines = controls.rates({"GraspHold": one}).splitlines()
+    assert [line.split(" | ")[1] for line in lines[2:]] == list(controls.POLICIES.values())
+    assert lines[4] == f"| `GraspHold` | centre of pressure | {' | '.join([learn_page.rate_cell(result(150))] * 3)} |"
+    lines = controls.differences({"GraspHold": one}).splitlines()
+    assert lines[2].startswith("| `GraspHold` | contact and shear - raw image | **+25.0 (")
+    assert lines[3].startswith("| `GraspHold` | contact and shear - centre of pressure | +0.0 (")
+    assert (
+        controls.forces({"GraspHold": one}).splitlines()[2] == "| `GraspHold` | contact and shear | 4.25, 1.12 | 4.25, 1.12 | 4.25, 1.12 |"
+    )
+    assert controls.section({}, "notes") == ""
+
+
+def test_committed_results_of_controls_are_complete():
+    from learn import controls
+    from learn.__main__ import CONTROLS, tasks_of
+
+    for found in tasks_of(CONTROLS).values():
+        for policies in found["evaluations"].values():
+            assert list(policies) == list(controls.POLICIES)
+            assert {len(entry["successes"]) for entry in policies.values()} == {found["episodes"]}
+            assert all(0 < entry["mean_force"] < entry["peak_force"] for entry in policies.values())

@@ -37,6 +37,19 @@ def test_trajectories_do_not_depend_on_num_envs(device: taxelsim.Device, task: s
     assert len(set(many[-1])) == 9
 
 
+def test_peak_and_mean_force_are_those_of_the_frames(device: taxelsim.Device) -> None:
+    envs = make("GraspHold", 3, device)
+    _, infos = envs.reset(seed=1)
+    assert not infos["mean_force"].any()
+    forces = []
+    for _ in range(12):
+        infos = envs.step(np.full((3, *envs.single_action_space.shape), 0.5, np.float32))[-1]
+        forces.append(envs._frame.ground_truth.total_force.copy())
+        np.testing.assert_allclose(infos["mean_force"], np.mean(forces, axis=0), rtol=1e-6)
+        np.testing.assert_array_equal(infos["peak_force"], np.max(forces, axis=0))
+    assert (infos["mean_force"] > 0).all()
+
+
 @pytest.mark.parametrize("task", DYNAMIC_TASKS)
 def test_observations_are_in_their_space(device: taxelsim.Device, task: str) -> None:
     envs = make(task, 3, device, observations=ALL, condition="unseen")

@@ -82,8 +82,9 @@ class DynamicVectorEnv(EpisodicVectorEnv):
     device: an open Device, or the argument of Device.open().
     backend: library of the tensors that reset() and step() return, see EpisodicVectorEnv.
 
-    Infos: `episode_key`, `success` (only at the end of an episode), `contact`, `peak_force` (N, largest true normal force of the episode),
-    and the metrics of the task. Subclasses define the model, the draws of an episode and the metrics.
+    Infos: `episode_key`, `success` (only at the end of an episode), `contact`, `peak_force` and `mean_force` (N, largest and mean true
+    normal force of the steps of the episode so far), and the metrics of the task. Subclasses define the model, the draws of an episode
+    and the metrics.
     """
 
     geoms: ClassVar[tuple[str, ...]]  #: Geoms that touch the sensor.
@@ -129,6 +130,7 @@ class DynamicVectorEnv(EpisodicVectorEnv):
         self._elapsed = np.zeros(num_envs, np.int64)
         self._lost = np.zeros(num_envs, np.int64)
         self._peak_force = np.zeros(num_envs, np.float32)
+        self._force_sum = np.zeros(num_envs, np.float64)  # N, of the steps of the episode so far
         self._success = np.zeros(num_envs, np.bool_)
         self._draws = np.zeros((num_envs, self.num_draws))
         self._pictures = TactilePictures(self.sensor, range, CONDITION_OF[self.condition].noise[1])
@@ -188,7 +190,7 @@ class DynamicVectorEnv(EpisodicVectorEnv):
         self.batch.state[rows] = self._initial
         self._place(rows, self._draws[rows])
         condition = CONDITION_OF[self.condition]
-        for name in ("_elapsed", "_lost", "_peak_force", "_success"):
+        for name in ("_elapsed", "_lost", "_peak_force", "_force_sum", "_success"):
             getattr(self, name)[rows] = 0
         if self.condition == "nominal":
             self.tactile.reset(mask, keys[rows], noise=condition.noise[0])
@@ -208,6 +210,7 @@ class DynamicVectorEnv(EpisodicVectorEnv):
         self._frame = self.tactile.observe(self.batch, STEP)[SITE]
         force = self._frame.ground_truth.total_force
         np.maximum(self._peak_force, force, out=self._peak_force)
+        self._force_sum += force
         self._lost = np.where(force > 0, 0, self._lost + 1)
         self._elapsed += 1
         outcome = self._judge()
@@ -235,6 +238,7 @@ class DynamicVectorEnv(EpisodicVectorEnv):
             "success": self._success.copy(),
             "contact": self._frame.ground_truth.total_force > 0,
             "peak_force": self._peak_force.copy(),
+            "mean_force": (self._force_sum / np.maximum(self._elapsed, 1)).astype(np.float32),
             **self._metrics(),
         }
 
