@@ -28,6 +28,8 @@ def test_the_script_writes_the_committed_files(tmp_path):
         assert (tmp_path / name).read_bytes() == (committed / name).read_bytes(), name
 
 
+PAGE = ROOT / "docs/reference/sensors_like.md"
+
 # Arrays that people own: taxels and the sides in mm that they cover, as published; None for sides that are not published.
 LIKE = {
     "flexitac_like_12x32": ((12, 32), (24, 64)),
@@ -56,13 +58,15 @@ def test_a_sensor_like_a_real_one_has_its_published_numbers_and_weighs_a_ball(de
     frame = simulator.read()
     assert frame.ground_truth.contact_wrench[0, 2] == pytest.approx(-5, abs=1e-3)
     assert frame.total_force[0] == pytest.approx(5, rel=0.03)  # by counts, of 8 bits on 1936 taxels the coarsest
-    assert frame.tactile_image.max() < sensor.readout.saturation
+    row = next(line for line in PAGE.read_text().splitlines() if line.startswith(f"| `{name}.yaml`"))
+    cells = [cell.strip() for cell in row.split("|")]
+    assert cells[2] == str(sensor.num_taxels)
+    assert cells[5:7] == [f"{frame.tactile_image.max()} of {sensor.readout.saturation}", f"{frame.total_force[0]:.2f}"]
 
 
 @pytest.mark.parametrize("name", LIKE)
 def test_the_page_has_a_section_and_each_number_a_source(name: str) -> None:
-    page = (ROOT / "docs/reference/sensors_like.md").read_text()
-    assert f"`{name}.yaml`" in page
+    assert f"`{name}.yaml`" in PAGE.read_text()
     text = (ROOT / f"scenes/sensors/{name}.yaml").read_text()
     assert "No affiliation; docs/reference/sensors_like.md" in text
     settings = [

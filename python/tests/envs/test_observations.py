@@ -21,7 +21,6 @@ def test_observations_are_in_their_spaces_and_in_si_units(make):
         "binary_image": (6, 14),
         "center_of_pressure": (3,),
         "features": (13,),
-        "center_of_pressure": (3,),
         "start_contact": (6,),
         "proprioception": (7,),
     }
