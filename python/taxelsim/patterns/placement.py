@@ -50,9 +50,8 @@ def grid_on_shape(
 
     Raises InputError if the middle of a taxel lies more than half a pitch off the surface: cover_shape() follows curved ones.
     """
-    sides = [checked_positive("pitch", side) for side in (pitch if isinstance(pitch, Sequence) else (pitch, pitch))]
-    if len(sides) != 2:
-        raise InputError(f"pitch: {len(sides)} numbers are not allowed: one, or two")
+    given = to_array("pitch", pitch, np.float64, [[], [2]], per_instance=False)
+    sides = [checked_positive("pitch", float(side)) for side in np.broadcast_to(given, 2)]
     surface = surface_of(shape, min(sides) / SAMPLES_PER_PITCH)
     grid = GridPatch(name="grid", num_rows=checked_count("rows", rows), num_cols=checked_count("cols", cols), pitch=sides)
     template = like if isinstance(like, Sensor) else load_sensor(like)
@@ -95,7 +94,9 @@ def cover_shape(
     if direction is not None:
         axis = _unit("direction", direction)
         frame = Pose(_frame(shape, surface, axis).position, _rotation(axis))
-        mask &= surface.normals @ axis >= math.cos(checked_positive("half_angle", half_angle)) - 1e-9
+        if not 0 < half_angle <= math.pi:
+            raise InputError(f"half_angle: {half_angle} is not allowed: above 0, at most pi rad")
+        mask &= surface.normals @ axis >= math.cos(half_angle) - 1e-9
     if region is not None:
         low, high = np.sort(to_array("region", region, np.float64, [[2, 3]], per_instance=False), axis=0)
         mask &= ((surface.points >= low) & (surface.points <= high)).all(axis=1)

@@ -142,6 +142,8 @@ PLATE = """<mujoco><worldbody><body name="b"><geom name="a" size=".01"/><geom si
         (lambda m: taxelsim.mujoco.cover_geom(m, "a", 0.1), "pitch: 0.1 m is not allowed: it makes 0 taxels"),
         (lambda m: taxelsim.mujoco.cover_geom(m, "a", 0.0003), "it makes 13963 taxels, 1 to 4096 are possible"),
         (lambda m: taxelsim.mujoco.cover_geom(m, "a", 0.002, direction=(0, 0, 0)), "direction: a vector of length 0 is not allowed"),
+        (lambda m: taxelsim.mujoco.cover_geom(m, "a", 0.002, direction=(0, 1, 0), half_angle=4), "half_angle: 4 is not allowed: above 0"),
+        (lambda m: taxelsim.mujoco.grid_on_geom(m, "a", 6, 6, (0.1, 0.1, 0.1)), "pitch: shape (3,) is not allowed"),
         (lambda m: taxelsim.mujoco.grid_on_geom(m, "a", 6, 6, 0.002), "off the surface is not allowed: at most half a pitch"),
         (lambda m: taxelsim.mujoco.grid_on_geom(m, "a", 1, 1, 0.002, raised=-1), "raised: -1 is not allowed"),
     ],
