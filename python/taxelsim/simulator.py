@@ -75,7 +75,7 @@ class Simulator:
             contact_band=contact_band,
             device_clock=device_clock,
         )
-        platform = platform_of(memory, model.device)
+        platform = None if memory == "host" else platform_of(memory, model.device)
         if platform is not None and image_unit != "counts":
             raise InputError(f"image_unit: {image_unit!r} is not allowed where memory is {memory!r}: 'counts'")
         self._batch = _core.Simulator(model, self._options, platform)

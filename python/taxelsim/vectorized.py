@@ -39,6 +39,7 @@ class VectorEnvArguments(EnvArguments, total=False):
 
     autoreset_mode: AutoresetMode | str
     backend: str
+    memory: str
 
 
 def make_vec(scene: Scene | str | os.PathLike[str], num_envs: int = 1, **arguments: Unpack[VectorEnvArguments]) -> TactileVectorEnv:

@@ -163,13 +163,12 @@ class Attachment:
     def _press(self, source: Sources, dt: float, instances: npt.ArrayLike | None) -> None:
         """Sets the objects to their poses, and the loads of MuJoCo's contacts."""
         for name, sensor in self.sensors.items():
+            refused = f"{self._mounts[name].label}: forces='engine' is not allowed"
             if isinstance(sensor.skin.law, Proximity):
-                raise InputError(f"site {name!r}: forces='engine' is not allowed with the law proximity, which has no forces: 'skin'")
+                raise InputError(f"{refused} with the law proximity, which has no forces: 'skin'")
             if Shear.needed(sensor):
-                raise InputError(
-                    f"site {name!r}: forces='engine' is not allowed on a skin with friction: 'skin', or friction_coefficient 0"
-                )
-        engine = normal_forces(self.model, source, self._sites, self._indices)
+                raise InputError(f"{refused} on a skin with friction: 'skin', or friction_coefficient 0")
+        engine = normal_forces(self.model, source, self._mounts, self._indices)
         for name, simulator in self.simulators.items():
             ids, poses = self._slots[name].assign(self._poses(name))
             loads = np.where(ids != NO_OBJECT, np.take_along_axis(engine[name], np.maximum(ids, 0), axis=1), 0)
@@ -195,7 +194,7 @@ class Attachment:
 
     def _compare(self, source: Sources, frames: Mapping[str, Frame]) -> None:
         """Warns once where the skin and MuJoCo's contacts differ. Looks at a few simulations in the first frames with contact."""
-        engine = normal_forces(self.model, source, self._sites, self._indices, COMPARED)
+        engine = normal_forces(self.model, source, self._mounts, self._indices, COMPARED)
         for name, values in engine.items():
             expected = values.sum(axis=1)
             found = -frames[name].ground_truth.contact_wrench[: len(expected), 2].astype(np.float64)

@@ -10,6 +10,8 @@ import numpy as np
 from mujoco.batch import Batch
 from numpy.typing import NDArray
 
+from .._arrays import rotation_matrices
+from .mounts import Mount
 from .poses import Array
 
 _STATE = int(mujoco.mjtState.mjSTATE_INTEGRATION)
@@ -34,16 +36,16 @@ def forwarded(model: Any, source: Any, count: int | None = None) -> Iterator[tup
         yield data.model, scratch
 
 
-def normal_forces(model: Any, source: Any, sites: Mapping[str, int], geoms: Sequence[int], count: int | None = None) -> dict[str, Array]:
-    """(N, G), N, >= 0: by site, the component along -z of S of the normal forces of the contacts of each geom with the body of the site.
+def normal_forces(model: Any, source: Any, mounts: Mapping[str, Mount], geoms: Sequence[int], count: int | None = None) -> dict[str, Array]:
+    """(N, G), N, >= 0: by sensor, the component along -z of S of the normal forces of the contacts of each geom with its body.
 
     At the present state, computed by mj_forward(), one simulation after the other. count: of the first simulations only.
     """
-    rows: dict[str, list[Array]] = {name: [] for name in sites}
+    rows: dict[str, list[Array]] = {name: [] for name in mounts}
     for of_simulation, data in forwarded(model, source, count):
         pressures = [_pressure(of_simulation, data, k) for k in range(data.ncon)]
-        for name, site in sites.items():
-            rows[name].append(_along_site(of_simulation, data, site, geoms, pressures))
+        for name, mount in mounts.items():
+            rows[name].append(_along_sensor(of_simulation, data, mount, geoms, pressures))
     return {name: np.maximum(np.array(values).reshape(-1, len(geoms)), 0) for name, values in rows.items()}
 
 
@@ -55,12 +57,13 @@ def _pressure(model: Any, data: Any, contact: int) -> Array:
     return normal
 
 
-def _along_site(model: Any, data: Any, site: int, geoms: Sequence[int], pressures: Sequence[Array]) -> Array:
-    """(G): sum along -z of the site of the forces on its body."""
-    body, z = model.site_bodyid[site], data.site_xmat[site].reshape(3, 3)[:, 2]
+def _along_sensor(model: Any, data: Any, mount: Mount, geoms: Sequence[int], pressures: Sequence[Array]) -> Array:
+    """(G): sum along -z of the sensor of the forces on its body."""
+    matrices = data.site_xmat if mount.kind == "site" else data.geom_xmat
+    z = matrices[mount.index].reshape(3, 3) @ rotation_matrices(np.array([mount.X.rotation]))[0][:, 2]
     sums = np.zeros(len(geoms))
     for (first, second), force in zip(data.contact.geom, pressures, strict=True):
         for own, other, sign in ((first, second, -1), (second, first, 1)):
-            if own >= 0 and model.geom_bodyid[own] == body and other in geoms:
+            if own >= 0 and model.geom_bodyid[own] == mount.body and other in geoms:
                 sums[list(geoms).index(other)] -= sign * force @ z
     return sums

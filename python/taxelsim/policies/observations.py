@@ -14,11 +14,10 @@
 | `start_contact` | (6) | `contact` in the first frame of the episode |
 | `target_force` | (fingers) | N, force that each finger must hold; scenes of kind grasp |
 
-All but counts are float32. With several sensors per environment those of a sensor have an axis (sensors) in front, `binary_contact` is (sensors),
-and `proprioception` has 7 numbers per sensor. Centre, z of the force and features come from the tactile image, so gain and noise of the
-sensor affect them. A
-tactile image has no shear, so x and y of the force are the true ones; they are 0 on a flat skin without friction. `taxel_counts` needs a
-sensor with `readout: {three_axis}`, which measures shear with its noise and cross-talk.
+All but counts are float32. With several sensors per environment those of a sensor have an axis (sensors) in front, `binary_contact` is
+(sensors), and `proprioception` has 7 numbers per sensor. Centre, z of the force and features come from the tactile image, so gain and noise
+of the sensor affect them. A tactile image has no shear, so x and y of the force are the true ones; they are 0 on a flat skin without
+friction. `taxel_counts` needs a sensor with `readout: {three_axis}`, which measures shear with its noise and cross-talk.
 
 In a scene of kind grasp `thumb/contact` is that of one sensor. `contact` alone is that of all sensors in the order of the robot. Images of
 sensors with different taxels are joined to (taxels), or (taxels, 3). Poses of `proprioception` are in the world.

@@ -15,7 +15,16 @@ from ..policies.networks import write_mlp
 
 GRIPPER = taxelsim.SCENES / "gripper_grasp.yaml"  # sensors left (6 x 4), right (6 x 14), below (6 x 4); fingers left and below; 100 Hz
 JOINTS = ("jaw", "bend")
-ALL = ("contact", "tactile_image", "binary_contact", "target_force", "joint_positions", "joint_velocities", "right/features", "proprioception")
+ALL = (
+    "contact",
+    "tactile_image",
+    "binary_contact",
+    "target_force",
+    "joint_positions",
+    "joint_velocities",
+    "right/features",
+    "proprioception",
+)
 
 
 @pytest.fixture(scope="module")
@@ -199,7 +208,7 @@ def test_reward_counts_fingers_that_hold(device, scene):
         ({"action": "joint_positions", "angular_scale": 1}, "angular_scale: 1 is not allowed with 'joint_positions'"),
         ({"observations": "top/contact"}, "observations: 'top/contact' is not allowed: contact"),
         ({"observations": "taxel_counts"}, "'taxel_counts' needs a sensor with readout.three_axis"),
-        ({"observations": ("binary_contact", "binary_contact")}, "'touch' found twice"),
+        ({"observations": ("binary_contact", "binary_contact")}, "'binary_contact' found twice"),
     ],
 )
 def test_what_a_hand_has_not_is_refused(device, scene, arguments, message):
