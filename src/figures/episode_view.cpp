@@ -148,10 +148,13 @@ std::vector<double> continuousAngles(std::vector<double> angles) {
 }
 
 EpisodeView::EpisodeView(FrameFigures& frames, std::span<const std::filesystem::path> assets)
-    : frames_(frames), times_(frames.times()), curves_{forceCurve(), angleCurve()} {
+    : frames_(frames),
+      poses_(frames.sensorName().empty() ? posesOf(frames, 1) : std::vector<Pose>()),
+      times_(frames.times()),
+      curves_{forceCurve(), angleCurve()} {
   const Sensor sensor = sensorOf(frames);
   objects_ = objectsOf(frames, assets);
-  poses_ = posesOf(frames, objects_.size());
+  if (poses_.empty()) poses_ = posesOf(frames, objects_.size());
   std::vector<Shape> shapes;
   std::string names;
   for (const Object& object : objects_) {
