@@ -65,11 +65,14 @@ def test_inspect_says_that_nothing_has_changed(tmp_path):
     [
         ("reference/python.md", {"N = 4096": "N = 8"}),
         ("how_to/environments.md", {"num_envs=4096": "num_envs=2", "num_episodes=100": "num_episodes=2"}),
+        ("how_to/own_sensor.md", {}),
     ],
 )
 def test_blocks_of_a_page_run_as_one_program(page, smaller, monkeypatch, tmp_path):
     text = (ROOT / "docs" / page).read_text()
     monkeypatch.chdir(tmp_path)
+    for name, content in re.findall(r"```yaml\n# (\S+)\n(.*?)```", text, re.DOTALL):
+        (tmp_path / name).write_text(content)
     program = "\n".join(re.findall(r"```python\n(.*?)```", text, re.DOTALL))
     for printed, small in smaller.items():
         assert printed in program
