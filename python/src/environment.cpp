@@ -36,7 +36,7 @@ class SharedEnvironment : public Shared<Environment> {
   // `platform`: that interface, if any.
   SharedEnvironment(const Device& device, const Scene& scene, const EnvironmentOptions& options, std::optional<interop::Platform> platform)
       : Shared(device, scene, options) {
-    if (platform) with([&](Environment& environment) { shared_.emplace(environment.simulator(), *platform); });
+    if (platform) shared_.emplace(batch().simulator(), *platform);
   }
 
   // Calls `use(environment)`, which computes frames, in the order of the streams that use the images.

@@ -30,6 +30,10 @@ class Shared {
 
   const Batch& get() const { return batch_.get(); }
 
+ protected:
+  // For constructors, which nobody else sees yet.
+  Batch& batch() { return batch_.get(); }
+
  private:
   std::mutex mutex_;
   Owned<Batch> batch_;
