@@ -6,6 +6,7 @@
 
 #include "base/field_checks.h"
 #include "base/length_check.h"
+#include "episodes/batch.h"
 #include "episodes/grasp_batch.h"
 #include "episodes/grasp_judge.h"
 #include "episodes/grasp_player.h"
