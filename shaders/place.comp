@@ -22,8 +22,6 @@
 #include "common/pose_record.glsl"
 #include "common/motion_record.glsl"
 
-const double kLengthTolerance = 1e-3lf;  // of a quaternion read from text with six digits
-
 void report(uint word, uint instance) { atomicMax(input_problems[word], step_record.batch.x - instance); }
 
 Pose inputPose(uint slot) {
@@ -36,7 +34,7 @@ Pose inputPose(uint slot) {
 bool isAllowed(int id, Pose X_SO) {
   double square = X_SO.rotation.x * X_SO.rotation.x + X_SO.rotation.y * X_SO.rotation.y + X_SO.rotation.z * X_SO.rotation.z +
                   X_SO.rotation.w * X_SO.rotation.w;
-  return id >= 0 && id < int(NUM_OBJECTS) && isFinite(X_SO.position) && abs(sqrt(square) - 1.0lf) <= kLengthTolerance;
+  return id >= 0 && id < int(NUM_OBJECTS) && isFinite(X_SO.position) && abs(sqrt(square) - 1.0lf) <= double(LENGTH_TOLERANCE);
 }
 
 // Returns whether the instance is driven by load.
@@ -92,13 +90,13 @@ void startSearch(uint i, bool is_driven, uint count) {
 
 // Contact points as the records that contacts.comp reads. An instance with one that is not allowed has none.
 void placeContacts(uint i) {
-  const double kMostPlace = 1e6lf, kMostForce = 1e6lf;  // m, N: include/taxelsim/contact_point.h
+  double most = double(MOST_COORDINATE);
   int count = input_counts[i];
   bool are_allowed = count >= 0 && count <= int(CONTACTS);
   for (uint k = i * CONTACTS; are_allowed && k < i * CONTACTS + uint(count); ++k) {
     dvec3 p = dvec3(input_positions[3 * k], input_positions[3 * k + 1], input_positions[3 * k + 2]);
     double force = input_forces[k];
-    are_allowed = abs(p.x) <= kMostPlace && abs(p.y) <= kMostPlace && abs(p.z) <= kMostPlace && force >= 0.0lf && force <= kMostForce;
+    are_allowed = abs(p.x) <= most && abs(p.y) <= most && abs(p.z) <= most && force >= 0.0lf && force <= double(MOST_FORCE);
     contacts[k].point = vec4(vec3(p), float(force));
   }
   if (!are_allowed) report(kContactProblems, i);

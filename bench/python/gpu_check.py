@@ -26,7 +26,7 @@ SENSORS = ("wts0614", "wts0614_soft_cover", "uskin_like_4x4", "fingertip_sphere"
 KNOB = ROOT / "scenes/objects/knob_5k.obj"
 LYING = tuple(taxelsim.axis_angle((1, 0, 0), np.pi / 2))
 DEPTH = 0.0005  # m
-NUM_STEPS = 50  # of the order of streams
+NUM_STEPS = 50  # that feedback() takes
 PUBLISHED = 0.461e-6  # s a frame, TacSL's tactile part at 32,768 environments of 10 x 10 taxels (arXiv 2408.06506, table III)
 
 

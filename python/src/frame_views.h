@@ -17,7 +17,7 @@ struct ArrayDevice {
   int number = 0;
 };
 
-// What the arrays of a view have in common.
+// Owner and device of the arrays of a view.
 struct ArrayOwner {
   nb::handle object;  // which each array keeps alive
   ArrayDevice device = {};
@@ -30,7 +30,7 @@ nb::dict arraysOf(const FrameView& frame, const Sensor& sensor, int num_instance
 // The measured images of `frame` alone. `rows`: the shape before that of an instance's taxels.
 nb::dict imagesOf(const FrameView& frame, const Sensor& sensor, std::vector<std::size_t> rows, ArrayOwner owner);
 
-// The same of inputs, for writing.
+// Writable arrays over the memory of `inputs`, as arraysOf() makes those of a frame.
 nb::dict arraysOf(const ExportedInputs& inputs, int num_instances, ArrayOwner owner);
 
 }  // namespace taxelsim::python

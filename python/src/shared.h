@@ -31,7 +31,7 @@ class Shared {
   const Batch& get() const { return batch_.get(); }
 
  protected:
-  // For constructors, which nobody else sees yet.
+  // Takes no lock: for constructors, before other threads know the batch.
   Batch& batch() { return batch_.get(); }
 
  private:

@@ -59,7 +59,7 @@ class SharedArrays {
   FrameView frame_;
   std::optional<ExportedInputs> inputs_;
   std::vector<interop::Stream> consumers_;
-  std::uint64_t signalled_ = 0;  // last value that a consumer was told to signal
+  std::uint64_t signalled_ = 0;  // last value that a consumer signals
 };
 
 // `shared`, or std::logic_error for null.

@@ -74,7 +74,7 @@ class SharedSimulator {
     });
   }
 
-  // With shared outputs the streams of consumers wait, not the host.
+  // With shared outputs the streams of consumers wait, and the host goes on.
   FrameView read() {
     const WithoutGil released;
     const std::lock_guard lock(mutex_);
@@ -92,7 +92,7 @@ class SharedSimulator {
     return use(requireShared(shared_ ? &shared_->get() : nullptr));
   }
 
-  // Of its arrays.
+  // The device that has the memory of the arrays.
   ArrayDevice device() const { return shared_ ? shared_->get().device() : ArrayDevice(); }
 
   StepTiming timing() {
@@ -187,7 +187,7 @@ void bindOptions(nb::module_& module) {
             field("device_clock", &SimulatorOptions::device_clock, "Whether timing reports seconds."));
   nb::enum_<interop::Platform>(module, "Platform", "Interface of a GPU that outputs are shared with.")
       .value("CUDA", interop::Platform::kCuda, "CUDA's driver.")
-      .value("HIP", interop::Platform::kHip, "HIP, which nobody has tried.");
+      .value("HIP", interop::Platform::kHip, "HIP. Untested.");
   nb::enum_<ContactType>(module, "ContactType", nb::is_arithmetic(), "Type of a contact; values of frame.contact.contact_type.")
       .value("NONE", ContactType::kNone, "No contact above the noise.")
       .value("POINT", ContactType::kPoint, "Length at most 2.5 taxels.")

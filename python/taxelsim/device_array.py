@@ -11,7 +11,7 @@ from . import _core
 from ._arguments import checked_names
 from .errors import InputError
 
-_LEGACY_DEFAULT_STREAM = 1  # of DLPack, for CUDA
+_LEGACY_DEFAULT_STREAM = 1  # DLPack's number of it, for CUDA
 _NO_STREAM = -1
 
 
@@ -21,12 +21,19 @@ MEMORIES = ("host", "device", "cuda", "hip")
 Batch = _core.Simulator | _core.Environment
 
 
-def platform_of(memory: str, device: _core.Device) -> _core.Platform | None:
-    """The interface of the GPU that has the arrays; None: the host has them. Raises InputError for a name out of MEMORIES."""
+def platform_of(memory: str, device: _core.Device, image_unit: str = "counts") -> _core.Platform | None:
+    """The interface of the GPU that has the arrays; None: the host has them.
+
+    Raises InputError for a name that is not in MEMORIES, and for an image in newtons in the memory of a GPU.
+    """
     (name,) = checked_names("memory", memory, MEMORIES)
     if name == "device":
         name = "host" if device.info.type == _core.DeviceType.CPU else "cuda"
-    return None if name == "host" else _core.Platform[name.upper()]
+    if name == "host":
+        return None
+    if image_unit != "counts":
+        raise InputError(f"image_unit: {image_unit!r} is not allowed where memory is {memory!r}: 'counts'")
+    return _core.Platform[name.upper()]
 
 
 class DeviceArray:
@@ -42,8 +49,8 @@ class DeviceArray:
     def __init__(self, batch: Batch, array: Any, shape: tuple[int, ...], dtype: str) -> None:
         self._batch = batch
         self._array = array
-        self.shape = shape  #: As of a NumPy array.
-        self.dtype = np.dtype(dtype)  #: As of a NumPy array.
+        self.shape = shape  #: Sizes of the axes.
+        self.dtype = np.dtype(dtype)  #: Type of an element.
 
     def __dlpack__(self, *, stream: int | None = None, **options: Any) -> Any:
         """A capsule of DLPack. stream: None, 1 or 2 (default streams), -1 (no wait), or a pointer. Raises InputError for another number."""

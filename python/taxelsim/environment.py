@@ -237,9 +237,7 @@ class Environment(EpisodeBatch):
         memory: where tactile_image and taxel_counts lie, as for Simulator; the host has all other arrays.
         """
         checked_names("image_unit", image_unit, IMAGE_UNITS)
-        platform = platform_of(memory, device)
-        if platform is not None and image_unit != "counts":
-            raise InputError(f"image_unit: {image_unit!r} is not allowed where memory is {memory!r}: 'counts'")
+        platform = platform_of(memory, device, image_unit)
         loaded = scene if isinstance(scene, Scene) else _core.load_scene(os.fspath(scene))
         super().__init__(_core.Environment(device, loaded, num_instances, outputs or NO_OUTPUTS, max_regions, platform), loaded)
         self._newtons = newtons_of_counts(self._scene.sensor.readout) if image_unit == "newtons" else None

@@ -57,7 +57,7 @@ class Simulator:
         max_regions: rows of contact features for regions, 0 to 8.
         contact_band: m, contact points up to this height above the undeformed skin count.
         device_clock: whether `timing` reports seconds; costs about 0.2 ms per step on software Vulkan.
-        memory: where the arrays of frames lie. "host": NumPy's. "cuda", or "hip", which nobody has tried: DeviceArray in the memory of that
+        memory: where the arrays of frames lie. "host": NumPy's. "cuda", or the untested "hip": DeviceArray in the memory of that
             GPU, without a copy; read() then does not wait on the host. "device": NumPy's on software Vulkan, else "cuda".
             Raises DeviceError where the GPU's driver cannot import the memory of the Vulkan device.
         """
@@ -75,9 +75,7 @@ class Simulator:
             contact_band=contact_band,
             device_clock=device_clock,
         )
-        platform = None if memory == "host" else platform_of(memory, model.device)
-        if platform is not None and image_unit != "counts":
-            raise InputError(f"image_unit: {image_unit!r} is not allowed where memory is {memory!r}: 'counts'")
+        platform = None if memory == "host" else platform_of(memory, model.device, image_unit)
         self._batch = _core.Simulator(model, self._options, platform)
         arrays = on_device(self._batch, self._batch.arrays())
         self._newtons = NewtonImage(arrays["tactile_image"], model.sensor.readout) if image_unit == "newtons" else None

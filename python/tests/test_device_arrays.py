@@ -27,7 +27,7 @@ def descriptors() -> int:
 
 
 def pressed(model: taxelsim.Model, memory: str, steps: int = 3, **options: object) -> taxelsim.Simulator:
-    """A simulator after some steps whose frames nobody has waited for."""
+    """A simulator after some steps. With memory="cuda" the host has not waited for their frames."""
     simulator = taxelsim.Simulator(model, N, memory=memory, **options)
     poses = np.tile([0, 0, 0.0095, 1.0, 0, 0, 0], (N, 1))
     for step in range(steps):

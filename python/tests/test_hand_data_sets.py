@@ -30,7 +30,7 @@ def grasped(tmp_path_factory: pytest.TempPathFactory, device: taxelsim.Device) -
 
 
 def test_an_episode_is_a_moving_picture_of_one_sensor(grasped: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """With sensor and object in 3-D, from the poses that every grasp records."""
+    """The picture has sensor and object in 3-D, from the poses that every grasp records."""
     moving = {name: EpisodePictures(str(grasped), 2, sensor=name) for name in ("", *SENSORS)}
     assert [pictures.without_view for pictures in moving.values()] == [""] * 4
     frames = {name: pictures.draw(140) for name, pictures in moving.items()}

@@ -21,7 +21,7 @@
 #define BLOCK_Influence BLOCK(Influence, float, influence[])  // (node rows x 2 rows of strips), elastic layer
 #define BLOCK_Planes BLOCK(Planes, PlaneRecord, planes[])
 #define BLOCK_Neighbours BLOCK(Neighbours, uint, neighbours[])               // (NUM_NEIGHBOURS x t), of lower number
-#define BLOCK_LoadBounds BLOCK(LoadBounds, LoadBoundsRecord, load_bounds[])  // of objects
+#define BLOCK_LoadBounds BLOCK(LoadBounds, LoadBoundsRecord, load_bounds[])  // a record per object
 #define BLOCK_FeatureSource BLOCK(FeatureSource, uint, feature_source)       // source of contact features: 0 the image, 1 the clean forces
 
 // ---- a batch: inputs ----

@@ -1,7 +1,7 @@
 // Objects, poses and loads, or contact points, from memory that another interface writes, place.comp.
 
-CONSTANT(11, uint, SLOTS)        // of an instance
-CONSTANT(12, uint, NUM_OBJECTS)  // of the model
+CONSTANT(11, uint, SLOTS)        // slots of an instance
+CONSTANT(12, uint, NUM_OBJECTS)  // objects of the model
 CONSTANT(13, bool, LOADS)        // the frame is computed for loads
 CONSTANT(14, bool, FRICTION)     // the skin needs motions
 CONSTANT(15, float, BASE_X)      // SkinBase: normal
@@ -14,7 +14,10 @@ CONSTANT(21, float, HIGHEST)    // LoadReach
 CONSTANT(22, float, LOWEST)
 CONSTANT(23, float, CLEARANCE)
 CONSTANT(24, float, FIRST_STEP)
-CONSTANT(25, uint, CONTACTS)  // capacity for contact points of an instance, which then takes no objects; 0
+CONSTANT(25, uint, CONTACTS)           // capacity for contact points of an instance, which then takes no objects; 0
+CONSTANT(26, float, LENGTH_TOLERANCE)  // of quaternions: kQuaternionTolerance
+CONSTANT(27, float, MOST_COORDINATE)   // of contact points, m: kMaxContactCoordinate
+CONSTANT(28, float, MOST_FORCE)        // of contact points, N: kMaxContactForce
 
 BUFFER(0, readwrite, Instances)
 UNIFORM(1, Step)
@@ -35,7 +38,7 @@ BUFFER(15, readonly, InputCounts)
 BUFFER(16, writeonly, Contacts)
 BUFFER(17, writeonly, NumContacts)
 
-VALUE(kPlacedNumbers, 8)   // of a slot in placed_poses: object, position, rotation
+VALUE(kPlacedNumbers, 8)   // numbers of a slot in placed_poses: object, position, rotation
 VALUE(kObjectProblems, 0)  // words of input_problems
 VALUE(kLoadProblems, 1)
 VALUE(kContactProblems, 2)

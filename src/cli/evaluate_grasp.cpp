@@ -1,7 +1,6 @@
 #include "cli/evaluate_grasp.h"
 
 #include <spdlog/fmt/fmt.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
@@ -119,14 +118,9 @@ void drawChart(const std::string& file, const Scene& scene, const std::vector<Gr
 
 void reportGrasps(const EvaluationReport& report, const Scene& scene, const std::string& device,
                   const std::vector<GraspEvaluation>& evaluations) {
-  if (report.json) {
-    printJson(scene, device, evaluations);
-  } else {
-    printTable(scene, evaluations);
-  }
-  if (report.png.empty()) return;
-  drawChart(report.png, scene, evaluations);
-  spdlog::info("wrote {}", report.png);
+  reportBy(
+      report, [&] { printJson(scene, device, evaluations); }, [&] { printTable(scene, evaluations); },
+      [&] { drawChart(report.png, scene, evaluations); });
 }
 
 }  // namespace taxelsim::cli

@@ -238,17 +238,20 @@ nlohmann::ordered_json quantilesJson(const Quantiles& quantiles) {
   return {{"median", numberOrNull(quantiles.median)}, {"p95", numberOrNull(quantiles.p95)}, {"max", numberOrNull(quantiles.max)}};
 }
 
+void reportBy(const EvaluationReport& report, const std::function<void()>& print_json, const std::function<void()>& print_table,
+              const std::function<void()>& draw) {
+  report.json ? print_json() : print_table();
+  if (report.png.empty()) return;
+  draw();
+  spdlog::info("wrote {}", report.png);
+}
+
 void reportEvaluations(const EvaluationReport& report, const Scene& scene, const std::string& device,
                        const std::vector<Evaluation>& evaluations) {
   warnOfLoads(scene, evaluations.front());  // the same episodes for all controllers
-  if (report.json) {
-    printJson(scene, device, evaluations);
-  } else {
-    printTable(scene, evaluations);
-  }
-  if (report.png.empty()) return;
-  drawChart(report.png, scene, evaluations);
-  spdlog::info("wrote {}", report.png);
+  reportBy(
+      report, [&] { printJson(scene, device, evaluations); }, [&] { printTable(scene, evaluations); },
+      [&] { drawChart(report.png, scene, evaluations); });
 }
 
 }  // namespace taxelsim::cli

@@ -13,8 +13,7 @@
 namespace taxelsim::cli {
 namespace {
 
-constexpr double kQuaternionTolerance = 1e-3;  // as in Simulator::setObjects()
-constexpr double kFullTurn = 360;              // degrees
+constexpr double kFullTurn = 360;  // degrees
 
 // The numbers of one argument. `what`: the forms that are allowed, for messages.
 struct Argument {

@@ -40,7 +40,7 @@ void visitMembers(AnyVerdict& verdict, Visit visit) {
   visit(verdict.load_reached);
 }
 
-// The same of a finger.
+// Visits the members of the verdict on a finger.
 template <typename AnyVerdict, typename Visit>
 requires std::is_same_v<std::remove_const_t<AnyVerdict>, FingerVerdict>
 void visitMembers(AnyVerdict& verdict, Visit visit) {
@@ -53,7 +53,7 @@ void visitMembers(AnyVerdict& verdict, Visit visit) {
   visit(verdict.num_losses);
 }
 
-// The same of the misses of a finger.
+// Visits the members of the misses of a finger.
 template <typename AnyVerdict, typename Visit>
 requires std::is_same_v<std::remove_const_t<AnyVerdict>, ContactMisses>
 void visitMembers(AnyVerdict& misses, Visit visit) {

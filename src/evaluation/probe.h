@@ -12,7 +12,7 @@ namespace taxelsim {
 // the scene. Depends neither on the number of episodes nor on a policy. Throws what Simulator throws.
 std::string featureProbe(const Model& model, const Scene& scene);
 
-// The same of a scene of kind grasp, of the first frames of episode 0 under the law of the scene.
+// Takes the first frames of episode 0 of a scene of kind grasp, under the law of the scene.
 std::string graspProbe(const Device& device, const Scene& scene);
 
 }  // namespace taxelsim

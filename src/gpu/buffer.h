@@ -24,7 +24,7 @@ enum class Sharing { kPrivate, kExported };
 // Memory of a buffer, for an importer. Each buffer has memory of its own, which begins with its first byte.
 struct ExportedMemory {
   int descriptor;       // a new one, which the caller owns
-  std::uint64_t bytes;  // of the memory, at least those of the buffer
+  std::uint64_t bytes;  // size of the memory, at least that of the buffer
 };
 
 class Buffer {
@@ -47,7 +47,7 @@ class Buffer {
     return {reinterpret_cast<T*>(mapped_.data()), mapped_.size() / sizeof(T)};
   }
 
-  // Of a buffer with Sharing::kExported. Throws Error(kDevice) if the driver refuses.
+  // Needs Sharing::kExported. Throws Error(kDevice) if the driver refuses.
   ExportedMemory exportMemory(Context& context) const;
 
   // Makes it readable as texels of four words; safe to call again and from several threads. Throws Error(kDevice) for more texels than the

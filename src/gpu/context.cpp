@@ -140,7 +140,7 @@ std::uint32_t chooseQueueFamily(const vk::raii::PhysicalDevice& device) {
   return static_cast<std::uint32_t>(chosen - families.begin());
 }
 
-// Of buffers as Buffer makes them, and of timeline semaphores.
+// Asks the driver about buffers with the usage that Buffer gives them, and about timeline semaphores.
 Exports findExports(const vk::raii::PhysicalDevice& device) {
   const std::vector<vk::ExtensionProperties> found = device.enumerateDeviceExtensionProperties();
   const auto has = [&](std::string_view name) {

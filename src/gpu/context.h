@@ -15,9 +15,9 @@ struct WideNumbers {
   bool shared_atomics = false;  // atomic operations on integers of 64 bits in shared memory
 };
 
-// What the device can hand to other interfaces of the same machine, as descriptors.
+// Objects that the device can hand to other interfaces of the machine as descriptors.
 struct Exports {
-  bool memory = false;     // of buffers: Buffer::exportMemory()
+  bool memory = false;     // Buffer::exportMemory()
   bool timelines = false;  // Timeline::exportDescriptor()
 };
 

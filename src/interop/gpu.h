@@ -1,4 +1,4 @@
-// A GPU as CUDA (or HIP, which nobody has tried) knows it, and what Vulkan has exported, imported there. Takes plain values only:
+// A GPU in CUDA, or in HIP, which is untested: memory and semaphores that Vulkan has exported are imported there. Takes plain values only:
 // descriptors, sizes, the UUID of the device.
 //
 // Threads: any, at once. The caller's context of the driver stays as it is. After fork() nothing here may be used or destroyed in the
@@ -60,7 +60,7 @@ class Gpu {
   Gpu(const Gpu&) = delete;
   Gpu& operator=(const Gpu&) = delete;
 
-  // Its number in this process.
+  // The number that the driver gives the GPU in this process.
   int ordinal() const { return ordinal_; }
 
   // Each takes the descriptor, which is closed or the driver's afterwards, also after an error. Throws Error(kDevice).

@@ -269,7 +269,7 @@ void checkConditions(const YamlTree& tree, const std::string& name, const std::f
   }
 }
 
-// The same of a scene of kind grasp.
+// Checks the conditions of a scene of kind grasp.
 void checkGraspConditions(const YamlTree& tree, const std::string& name, const std::filesystem::path& directory, const Scene& scene) {
   for (const std::string& condition : scene.conditions) {
     const YamlTree overridden = inCondition(tree, name, condition);

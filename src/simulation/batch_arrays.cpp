@@ -107,7 +107,7 @@ std::uint64_t layerPairs(Shape s) {
 std::uint64_t numContactFeatures(Shape s) {
   return 1 + std::uint64_t{layout::kNumContactFeatures} * numContactRows(s.model.packed_contact, s.options.max_regions);
 }
-// Of an instance, at most.
+// Integer features of an instance, at most.
 std::uint64_t numIntegerFeatures(Shape s) {
   const OutputOptions& outputs = s.options.outputs;
   const std::uint64_t contacts = (outputs.contact_features ? 1 : 0) + (outputs.clean_contact_features ? 1 : 0);

@@ -24,7 +24,7 @@ class OutputArrays {
     const std::span<const std::byte> bytes = arrays_[Block::kIndex];
     return {reinterpret_cast<const Element*>(bytes.data()), bytes.size() / sizeof(Element)};
   }
-  // Of an array that another interface writes.
+  // An array that another interface writes.
   template <typename Block>
   std::span<typename Block::Element> writable(std::size_t count) const {
     return {const_cast<typename Block::Element*>(output<Block>().data()), count};
@@ -87,8 +87,8 @@ class BatchBuffers {
   }
 
   std::array<Array, block::kNumBlocks> arrays_;  // by index of the block; those of a model are empty
-  std::array<Array, block::kNumBlocks> second_;  // of arrays that are double
-  std::array<OutputArrays, 2> outputs_;          // of both halves
+  std::array<Array, block::kNumBlocks> second_;  // second halves of the arrays with is_double
+  std::array<OutputArrays, 2> outputs_;          // by half
 };
 
 }  // namespace taxelsim

@@ -177,7 +177,7 @@ Recorder recorderOf(const Model::Impl& model, const BatchShape& shape, const Bat
   return recorder;
 }
 
-// Nobody on the host has waited for the frame before.
+// Orders the frame after the one before, for which the host has not waited.
 void afterFrame(gpu::Commands& commands) {
   using gpu::Access;
   for (const Access before : {Access::kKernel, Access::kCopy}) {

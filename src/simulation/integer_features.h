@@ -43,7 +43,7 @@ class ExportedIntegers {
 class IntegerFeatures {
  public:
   IntegerFeatures() = default;
-  // Of addresses instead. `exported` must outlive this.
+  // Gives addresses of the importer in place of host arrays. `exported` must outlive this.
   explicit IntegerFeatures(ExportedIntegers& exported) : exported_(&exported) {}
 
   // Spans from before are invalid afterwards.

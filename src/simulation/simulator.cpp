@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "base/constants.h"
 #include "base/field_checks.h"
 #include "base/length_check.h"
 #include "base/philox.h"
@@ -25,9 +26,6 @@
 
 namespace taxelsim {
 namespace {
-
-// A quaternion read from text with six digits is this close to unit length.
-constexpr double kQuaternionTolerance = 1e-3;
 
 [[noreturn]] void refuseCall(const std::string& what) {
   throw Error(ErrorKind::kInput, what);

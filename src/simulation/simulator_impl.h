@@ -87,7 +87,7 @@ struct Simulator::Impl {
   }
   // Throws Error(kInput) if inputs of another interface were not allowed.
   void checkInputs(std::size_t frame_half) const;
-  // Before the host writes inputs that a running frame reads: with exported outputs nobody has waited for it.
+  // Call it before the host writes inputs that a running frame reads. With exported outputs the host may not have waited for that frame.
   void ownInputs() {
     if (options.export_memory) finish();
   }
@@ -123,11 +123,11 @@ struct Simulator::Impl {
     bool keeping = false;  // it runs the candidate passes
   };
   std::array<Running, 2> running;         // by half of the arrays that are double
-  std::size_t half = 0;                   // of the last frame; the halves take turns while the host places no objects
+  std::size_t half = 0;                   // half that the last frame uses; the halves take turns while the host places no objects
   bool places = false;                    // another interface writes objects, poses and loads
-  bool takes_loads = false;               // of that interface
+  bool takes_loads = false;               // the interface may write loads
   std::optional<gpu::Timeline> timeline;  // orders steps and consumers of exported outputs, where the driver exports one
-  gpu::TimelinePoints points;             // of the last step; `after`: of the next
+  gpu::TimelinePoints points;             // `end` of the last step, `after` of the next one
   bool has_frame = false;                 // some step has been read
   StepTiming timing;
   DeviceTraffic traffic;

@@ -43,7 +43,7 @@ FrameKind::Candidates Simulator::Impl::candidatesOf(const Selection& selection, 
   using Candidates = FrameKind::Candidates;
   const bool keeps = selection.isAll() && keeps_candidates && one_near && !any_load && candidate_schedule.keeps();
   running[half].keeping = keeps;
-  // While the frame before runs, nobody knows whether it has found any.
+  // The host does not know yet whether a running frame has found any.
   if (keeps) return any_candidates || isRunning() ? Candidates::kUsed : Candidates::kKept;
   return (selection.isAll() && one_near) || !keeps_candidates || any_load ? Candidates::kSkipped : Candidates::kLeft;
 }

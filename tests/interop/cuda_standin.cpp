@@ -184,7 +184,7 @@ int copyToHostCall(void* to, Address from, std::size_t bytes) {
   });
 }
 
-// For tests.
+// The interface of the tests.
 extern "C" {
 // The devices that the driver shows, by UUID.
 void standinSetDevices(const Uuid* devices, int count) {

@@ -1,4 +1,4 @@
-// Inputs and outputs that another interface of the device imports: steps that nobody waits for on the host give the bits of those that do.
+// Inputs and outputs that another interface of the device imports: steps without a wait of the host give the same bits as steps with one.
 // Here the importer maps what Mesa's software driver exports, a memfd whose data begins at byte 4096.
 #include <sys/mman.h>
 #include <unistd.h>
@@ -46,7 +46,7 @@ class ExportedArrays : public ::testing::Test {
   }
 };
 
-TEST_F(ExportedArrays, HaveTheBitsOfTheHostAfterStepsThatNobodyWaitsFor) {
+TEST_F(ExportedArrays, HaveTheBitsOfTheHostAfterStepsWithoutAWait) {
   Simulator on_host = make(false), on_device = make(true);
   const FrameView imported = on_device.exportOutputs(map);
   const ExportedInputs inputs = on_device.exportInputs(map);
@@ -78,7 +78,7 @@ TEST_F(ExportedArrays, NameWhatIsNotAllowedInAnEarlierStep) {
   write(inputs, 0);
   inputs.ids[5] = 1;
   simulator.step(kDt);
-  simulator.step(kDt);  // nobody has waited for the first
+  simulator.step(kDt);  // the host has not waited for the first step
   try {
     simulator.step(kDt);
     FAIL() << "no error";

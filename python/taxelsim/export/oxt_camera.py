@@ -25,7 +25,7 @@ class Camera(Protocol):
     """Pictures of frames."""
 
     shape: tuple[int, int, int]
-    about: dict[str, Any]  #: Of the metadata: what the pictures show.
+    about: dict[str, Any]  #: Metadata: the content of the pictures.
 
     def draw(self, first: int, end: int, columns: dict[str, NDArray[Any]]) -> NDArray[np.uint8]:
         """(end - first, height, width, 3) of the frames [first, end) with these columns."""

@@ -74,8 +74,8 @@ class Layout:
 
     pads: tuple[Pad, ...]
     groups: tuple[Group, ...]
-    wrists: dict[str, Pad]  #: By side.
-    joints: dict[str, Joints]  #: By side.
+    wrists: dict[str, Pad]  #: Pad of the wrist, by side.
+    joints: dict[str, Joints]  #: Joints of arm and hand, by side.
     joint_names: tuple[str, ...]
     scene: Scene
 
@@ -187,7 +187,7 @@ def _wrists(source: Source, pads: Sequence[Pad], sides: Sequence[str]) -> dict[s
 
 
 def _joints(source: Source, names: Sequence[str], sides: Sequence[str], *, is_hand: bool) -> dict[str, Joints]:
-    """By side. A robot that carries its only sensor is an arm; joints of a hand need their slots."""
+    """Joints by side. A robot that carries its only sensor is an arm. Joints of a hand need their slots."""
     given = source.options.joints
     if given == (NO_JOINTS,) or (not names and not given):
         return {}

@@ -26,7 +26,7 @@ SIDES = ("right", "left")
 TYPES = ("state", "binary", "image")
 RELEASED_TYPE = "matrix"  # of released sets: the parser of Aether writes it, the README does not have it
 CAMERAS = ("camera_main_rgb", "camera_ego_rgb", "right_wrist_camera_rgb", "left_wrist_camera_rgb")
-NUM_AREAS = 24  # of a hand
+NUM_AREAS = 24  # functional areas of a hand
 NUM_HAND_SLOTS = 32
 GRIPPER_SLOT = 28
 MAX_ARM_JOINTS = 7
@@ -40,7 +40,7 @@ class Store:
     """A Zarr folder of version 2 that is checked."""
 
     folder: Path
-    arrays: dict[str, Any]  #: Of data/ by name.
+    arrays: dict[str, Any]  #: Arrays of data/, by name.
     ends: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))  #: meta/episode_ends.
     is_own: bool = False  #: Whether taxelsim exported it.
 

@@ -86,7 +86,7 @@ def windows_of(source: Source, key: str, wrenches: dict[str, Feature]) -> dict[s
 
 
 def about_touch(source: Source, key: str, windows: dict[str, Feature], points: dict[str, Points]) -> dict[str, Any]:
-    """For meta/taxelsim.json: units, windows and the version of points."""
+    """Content of meta/taxelsim.json: units, windows and the version of points."""
     units = dict.fromkeys(source.named_tactile(key, "."), "counts")
     units |= {name: "s" if name == WINDOW_TIME else "N, N m" if name.startswith(WRENCH) else "counts" for name in windows}
     about: dict[str, Any] = {"units": units | dict.fromkeys(points, POINT_UNIT)}

@@ -26,7 +26,7 @@ from .stiffness import Shear
 FORCES = ("skin", "engine")
 """Sources of the forces of observe()."""
 
-MOST_DIFFERENCE = 0.2  # of the larger force, beyond which the skin and MuJoCo differ
+MOST_DIFFERENCE = 0.2  # share of the larger force; skin and MuJoCo differ beyond it
 NUM_COMPARISONS, COMPARED = 16, 8  # frames with contact, and simulations of each, that are compared
 
 Sources = Any

@@ -34,10 +34,10 @@ SensorSource = str | PathLike[str] | Sensor | GeomSensor
 class Mount:
     """The frame of a sensor in a model."""
 
-    label: str  #: For messages.
+    label: str  #: Name in messages.
     kind: str  #: "site" or "geom".
-    index: int  #: Of the site or geom.
-    body: int  #: Its body.
+    index: int  #: Number of the site or geom.
+    body: int  #: Number of the body that has it.
     X: Pose  #: Pose of S in the frame of the site or geom.
 
 

@@ -17,7 +17,7 @@ from .surface import Array, Shape, Surface, surface_of
 from .taxels import LIKE, MAX_TAXELS, SensorLike, sensor_of
 
 SAMPLES_PER_PITCH = 6
-ITERATIONS = 15  # of Lloyd's algorithm
+ITERATIONS = 15  # rounds of Lloyd's algorithm
 
 
 @dataclass(frozen=True)

@@ -81,9 +81,9 @@ class Bounds:
 class _Block:
     bounds: Bounds
     scale: NDArray[np.float32]
-    read: Callable[[Any], Values]  # of a frame: (N, *shape), SI units
+    read: Callable[[Any], Values]  # takes a frame, returns (N, *shape) in SI units
     live: bool = False  # read() returns memory that the next step changes, perhaps that of a GPU
-    table: NDArray[np.float32] | None = None  # of what read() returns as indices; the values are its entries
+    table: NDArray[np.float32] | None = None  # read() returns indices into it
     of_first_frame: bool = False  # holds the value of the first frame of the episode
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..errors import Error, InputError
 from .recording import BLOCK_ROWS, Block, Recording, component_names
 
-STAMP = "stamp"  # of a topic: time of its messages
+STAMP = "stamp"  # column with the times of the messages of a topic
 _IMAGE = "sensor_msgs/msg/Image"
 _NAMED_ENCODINGS = {"mono8": "8UC1", "mono16": "16UC1", "rgb8": "8UC3", "bgr8": "8UC3", "rgba8": "8UC4", "bgra8": "8UC4"}
 _KINDS = {"U": "u", "S": "i", "F": "f"}

@@ -39,7 +39,7 @@ class Measurement:
     )  #: Columns of positions and forces by their name in the table (QUANTITIES); with a minus in front the other sign.
     taxel: int | None = None  #: force_curve: the taxel that is pressed.
     falling: bool = False  #: Readings fall with force: counts are what a reading is below the largest one of its taxel.
-    unit: str = ""  #: Of the readings: counts, or another one with a scale. Empty: as the recording states it.
+    unit: str = ""  #: Unit of the readings: counts, or another one with a scale. Empty: the recording states it.
     scale: float | None = None  #: Counts per unit of the readings. None: 1, for readings in counts.
     keys: Mapping[str, str] = field(default_factory=dict)  #: Further keys of the YAML file (indenter, load, ...), as text.
 

@@ -24,7 +24,7 @@ class Recording:
     source: str  #: File or folder, for messages.
     names: tuple[str, ...]  #: Components of a feature are called FEATURE.NAME.
     read: Callable[[Sequence[str]], Iterator[Block]]  #: Blocks of these columns in the order of rows.
-    units: Mapping[str, str] = field(default_factory=dict)  #: Of columns or features, as the recording states them.
+    units: Mapping[str, str] = field(default_factory=dict)  #: Unit of each column or feature that the recording states.
     describe_row: Callable[[int], str] = "row {}".format  #: A row, counted from 0, for messages.
 
     @cached_property

@@ -70,7 +70,7 @@ def test_sensors_of_one_side_and_model_are_a_group(grasped, exported_grasp):
     np.testing.assert_array_equal(arrays["left_total_force"][:, 0], data["data/left/total_force"][:])
     assert set(arrays["sub_task_instruction"][:].tolist()) == {"gripper_grasp: box"}
     assert set(arrays) >= {"left_wrist_pose", "camera_main_rgb"}
-    assert "right_wrist_pose" not in arrays  # two sensors: whose pose it is must be told
+    assert "right_wrist_pose" not in arrays  # the set does not say which of the two sensors has the pose
     assert root.attrs["rgb"]["shows"].startswith("drawn, no camera")
 
 
@@ -272,7 +272,7 @@ def test_released_sets_have_matrices_and_that_is_a_note(copied_grasp):
 
 
 def test_pictures_may_be_packed_by_a_codec_that_is_not_installed(grasped, copied_grasp):
-    """As those of released sets; touch is read all the same."""
+    """Metadata as in released sets. The reader takes touch all the same."""
     file = copied_grasp / "data/camera_main_rgb/.zarray"
     file.write_text(json.dumps(json.loads(file.read_text()) | {"compressor": {"id": "imagecodecs_jpegxl"}}))
     store = rules.open_store(copied_grasp)

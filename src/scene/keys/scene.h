@@ -15,10 +15,10 @@ inline constexpr std::array<std::string_view, 4> kSceneKindNames{"servo", "conta
 const Block& sceneKeys(Scene::Kind kind);
 
 const Block& conditionKeys();
-const Block& graspConditionKeys();        // of kind grasp
-const Block& randomizationKeys();         // of kind contacts
-const Block& servoRandomizationKeys();    // of kind servo
-const Block& graspRandomizationKeys();    // of kind grasp
-const Block& readoutRandomizationKeys();  // of kind contact_points
+const Block& graspConditionKeys();        // kind grasp
+const Block& randomizationKeys();         // kind contacts
+const Block& servoRandomizationKeys();    // kind servo
+const Block& graspRandomizationKeys();    // kind grasp
+const Block& readoutRandomizationKeys();  // kind contact_points
 
 }  // namespace taxelsim

@@ -1,8 +1,10 @@
 #include "simulation/passes/place.h"
 
+#include "base/constants.h"
 #include "place.spv.h"
 #include "simulation/passes/load_search.h"
 #include "simulation/passes/sizes.h"
+#include "taxelsim/contact_point.h"
 
 namespace taxelsim {
 
@@ -31,7 +33,10 @@ gpu::PassKernel<PlaceInterface> PlacePass::makeKernel(const Variant& variant, co
                          .LOWEST = reach.lowest,
                          .CLEARANCE = reach.clearance,
                          .FIRST_STEP = reach.first_step,
-                         .CONTACTS = variant.max_contacts}};
+                         .CONTACTS = variant.max_contacts,
+                         .LENGTH_TOLERANCE = kQuaternionTolerance,
+                         .MOST_COORDINATE = kMaxContactCoordinate,
+                         .MOST_FORCE = kMaxContactForce}};
 }
 
 }  // namespace taxelsim

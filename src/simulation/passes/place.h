@@ -14,7 +14,7 @@ class PlacePass {
  public:
   struct Variant {
     std::uint32_t num_slots = 1;
-    std::uint32_t max_contacts = 0;  // of an instance, which takes no objects then
+    std::uint32_t max_contacts = 0;  // capacity of an instance; above 0 it takes no objects
     bool loads = false;              // the frame is computed for loads
 
     auto operator<=>(const Variant&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 misreads it
