@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 from ._arrays import to_numpy
 from .errors import InputError
 
+LENGTH_UNITS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "inch": 0.0254}
+"""Units of length of files that name none, in m."""
+
 
 def checked_count(name: str, value: int) -> int:
     """`value` if it is an integer >= 1, else InputError."""

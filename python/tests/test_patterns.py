@@ -4,9 +4,12 @@ import math
 
 import numpy as np
 import pytest
+import yaml
+from PIL import Image
 
 import taxelsim
 from taxelsim import patterns
+from taxelsim.commands import sensor as sensor_command
 from taxelsim.patterns.taxels import nearest_distances
 
 UP = (0, 0, 1)
@@ -92,6 +95,62 @@ def test_a_picture_shows_each_taxel_in_its_view() -> None:
 
 
 PAIR = [[0, 0, 0], [0, 0.003, 0]]
+KNOB = str(taxelsim.SCENES / "objects/knob_5k.obj")
+
+
+def run_command(capsys, *arguments: object) -> tuple[int, str]:
+    """Status, and what `taxelsim sensor` says."""
+    status = sensor_command.main([str(argument) for argument in arguments])
+    said = capsys.readouterr()
+    return status, said.err or said.out
+
+
+@pytest.mark.parametrize("grid", [(), ("--grid", 2, 3)])
+def test_the_command_writes_what_the_function_makes(tmp_path, capsys, grid) -> None:
+    out = tmp_path / "knob.yaml"
+    status, said = run_command(capsys, "from-mesh", KNOB, "--unit", "mm", "--pitch", 4e-6, "--direction", 0, 0, 1, *grid, "-o", out)
+    mesh = taxelsim.load_mesh(KNOB, scale=0.001)
+    options = {"direction": (0, 0, 1), "name": "knob"}
+    placed = patterns.grid_on_shape(mesh, 2, 3, 4e-6, **options) if grid else patterns.cover_shape(mesh, 4e-6, **options)
+    assert status == 0
+    assert taxelsim.load_sensor(out) == placed.sensor
+    mount = yaml.safe_load(said.splitlines()[1])["mount on the mesh"]
+    np.testing.assert_allclose(mount["position"], placed.X_BS.position, rtol=1e-8)
+    np.testing.assert_array_equal(Image.open(out.with_suffix(".png")), patterns.draw(placed.sensor))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["from-mesh", KNOB, "--unit", "m", "--pitch", "-1"], "--pitch: -1.0 is not allowed: a finite number above 0"),
+        (["from-mesh", KNOB, "--unit", "m", "--pitch", "0.003", "--region", *"111222"], "it makes 0 taxels, 1 to 4096 are possible"),
+        (["from-mesh", KNOB, "--unit", "m", "--pitch", "0.003", "--region", *"111222", "--grid", *"22"], "--region: not for a --grid"),
+        (["from-mesh", KNOB, "--unit", "m", "--pitch", "0.003", "--like", "no.yaml"], "no.yaml: no such file"),
+        (["from-pattern", "no.csv", "--unit", "mm"], "no.csv: No such file"),
+        (["from-pattern", KNOB, "--unit", "mm"], "ending '.obj' is not allowed: .csv or .npz"),
+    ],
+)
+def test_a_command_that_fails_writes_nothing(tmp_path, capsys, arguments: list[str], message: str) -> None:
+    status, said = run_command(capsys, *arguments, "-o", tmp_path / "a.yaml")
+    assert status > 0
+    assert said.count("\n") == 1
+    assert message in said
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_command_keeps_files_and_asks_for_the_unit(tmp_path, capsys) -> None:
+    (tmp_path / "a.png").touch()
+    write_pattern(tmp_path / "a.npz", np.array(PAIR) * 1e3, [UP, UP])
+    arguments = ["from-pattern", tmp_path / "a.npz", "--unit", "mm", "-o"]
+    assert run_command(capsys, *arguments, tmp_path / "a.yaml") == (
+        2,
+        f"taxelsim sensor: {tmp_path}/a.png: exists; choose another output or remove it\n",
+    )
+    assert run_command(capsys, *arguments, tmp_path / "b.yaml")[0] == 0
+    np.testing.assert_array_equal(taxelsim.load_sensor(tmp_path / "b.yaml").taxel_positions, PAIR)
+    with pytest.raises(SystemExit):
+        run_command(capsys, *arguments[:2], "-o", tmp_path / "c.yaml")
+    assert "required: --unit" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -38,7 +38,18 @@ def test_is_python_command(arguments, expected):
 
 @pytest.mark.parametrize(
     "command",
-    ["evaluate --policy", "finish --card", "inspect --format", "render .mp4", "render .gif", "report x", "view x", "export x", "import x"],
+    [
+        "evaluate --policy",
+        "finish --card",
+        "inspect --format",
+        "render .mp4",
+        "render .gif",
+        "report x",
+        "view x",
+        "sensor x",
+        "export x",
+        "import x",
+    ],
 )
 def test_the_program_starts_python_for_the_subcommands_of_the_package(tmp_path, command):
     name, word = command.split()

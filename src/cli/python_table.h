@@ -26,6 +26,8 @@ inline constexpr std::array kPythonSubcommands{
     PythonSubcommand{.name = "view", .words = {}, .description = "Show episodes of a data set or a scene in the viewer Rerun"},
     PythonSubcommand{.name = "play", .words = {}, .description = "Press an object into a sensor in the browser"},
     PythonSubcommand{
+        .name = "sensor", .words = {}, .description = "Make a sensor file from places of taxels, or from the surface of a mesh"},
+    PythonSubcommand{
         .name = "export", .words = {}, .description = "Write a data set for LeRobot, Open-X-Tactile, Zarr, robomimic or ROS 2"},
     PythonSubcommand{
         .name = "import", .words = {}, .description = "Make a measurement from a recording: CSV, LeRobot, Open-X-Tactile, robomimic, ROS"},

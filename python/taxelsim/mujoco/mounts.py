@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from os import PathLike
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import mujoco
-import numpy.typing as npt
 
 from .._core import HalfSpace, Pose, Sensor, load_sensor
 from ..errors import InputError
-from ..patterns.placement import Placed, cover_shape, grid_on_shape, turned
-from ..patterns.taxels import LIKE, SensorLike
-from .geoms import Quaternion, Shape, find, geom_name, shape_of
+from ..patterns.placement import UP, CoverOptions, GridOptions, cover_shape, grid_on_shape, turned
+from .geoms import Shape, find, geom_name, shape_of
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
 @dataclass(frozen=True)
@@ -53,57 +53,42 @@ def mount_of(model: Any, name: str, source: SensorSource) -> tuple[Mount, Sensor
 
 
 def grid_on_geom(
-    model: Any,
-    geom: str | int,
-    rows: int,
-    cols: int,
-    pitch: float | Sequence[float],
-    *,
-    direction: npt.ArrayLike = (0, 0, 1),
-    raised: float = 0.0,
-    like: SensorLike = LIKE,
+    model: Any, geom: str | int, rows: int, cols: int, pitch: float | Sequence[float], **options: Unpack[GridOptions]
 ) -> GeomSensor:
-    """A flat grid of rows x cols taxels on a flat part of a geom; see taxelsim.patterns.grid_on_shape().
+    """A flat grid of rows x cols taxels on a flat part of a geom.
 
-    geom: name, number, or the name of a body, or link of a URDF, that has one geom. direction: (3), in the frame of the body.
+    geom: name, number, or the name of a body, or link of a URDF, that has one geom.
+    options: as for taxelsim.patterns.grid_on_shape(), with the direction in the frame of the body.
+
     Raises InputError for a geom that is not in the model, a plane, and a grid that does not fit.
     """
-    index, shape, turn, axis = _surface(model, geom, direction)
-    placed = grid_on_shape(shape, rows, cols, pitch, direction=axis, raised=raised, like=like)
-    return _on_geom(index, turn, placed)
+    index, shape, X_GO, X_BO = _surface(model, geom)
+    placed = grid_on_shape(shape, rows, cols, pitch, **turned(X_BO, GridOptions(direction=UP) | options))
+    return GeomSensor(placed.sensor, index, X_GO * placed.X_BS)
 
 
-def cover_geom(
-    model: Any,
-    geom: str | int,
-    pitch: float,
-    *,
-    direction: npt.ArrayLike | None = None,
-    half_angle: float = math.pi / 2,
-    raised: float = 0.0,
-    like: SensorLike = LIKE,
-) -> GeomSensor:
-    """Square taxels of pitch^2 over the curved surface of a geom; see taxelsim.patterns.cover_shape().
+def cover_geom(model: Any, geom: str | int, pitch: float, **options: Unpack[CoverOptions]) -> GeomSensor:
+    """Square taxels of pitch^2 over the curved surface of a geom.
 
-    geom, direction: as for grid_on_geom(). Geoms of one shape that are covered alike get equal sensors, which share one Model.
+    geom: as for grid_on_geom(). Geoms of one shape that are covered alike get equal sensors, which share one Model.
+    options: as for taxelsim.patterns.cover_shape(), with the direction in the frame of the body.
+
     Raises InputError for a geom that is not in the model, a plane, and a pitch that makes no taxel or too many.
     """
-    index, shape, turn, axis = _surface(model, geom, direction)
-    placed = cover_shape(shape, pitch, direction=axis, half_angle=half_angle, raised=raised, like=like)
-    return _on_geom(index, turn, placed)
+    index, shape, X_GO, X_BO = _surface(model, geom)
+    placed = cover_shape(shape, pitch, **turned(X_BO, options))
+    return GeomSensor(placed.sensor, index, X_GO * placed.X_BS)
 
 
-def _surface(model: Any, geom: str | int, direction: npt.ArrayLike | None) -> tuple[int, Any, Quaternion, Any]:
-    """Index of the geom, its shape in O, R_GO, and the direction in O."""
+def _surface(model: Any, geom: str | int) -> tuple[int, Any, Pose, Pose]:
+    """Index of the geom, its shape in O, and the rotation of O in the frames G of the geom and B of the body."""
     index = _geom_of(model, geom)
     shape: Shape
     shape, turn = shape_of(model, index)
     if isinstance(shape, HalfSpace):
         raise InputError(f"{geom_name(model, index)} is a plane, which is not allowed: its surface is infinite")
-    if direction is None:
-        return index, shape, turn, None
-    X_BO = Pose(rotation=list(model.geom_quat[index])) * Pose(rotation=list(turn))
-    return index, shape, turn, turned(X_BO, direction)
+    X_GO = Pose(rotation=list(turn))
+    return index, shape, X_GO, Pose(rotation=list(model.geom_quat[index])) * X_GO
 
 
 def _geom_of(model: Any, name: str | int) -> int:
@@ -114,7 +99,3 @@ def _geom_of(model: Any, name: str | int) -> int:
                 raise InputError(f"body {name!r} has {model.body_geomnum[body]} geoms, 1 allowed: give the name or number of a geom")
             return int(model.body_geomadr[body])
     return find(model, "geom", name)
-
-
-def _on_geom(index: int, turn: Quaternion, placed: Placed) -> GeomSensor:
-    return GeomSensor(placed.sensor, index, Pose(rotation=list(turn)) * placed.X_BS)

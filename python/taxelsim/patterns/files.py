@@ -8,15 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
-from .._arguments import checked_names
+from .._arguments import LENGTH_UNITS, checked_names
 from .._core import Sensor
 from ..errors import InputError, IoError
 from ..recordings.tables import read_csv
 from .surface import Array
 from .taxels import LIKE, SensorLike, sensor_of
-
-UNITS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "in": 0.0254}
-"""Units of length of a pattern file, in m."""
 
 COLUMNS = ("x", "y", "z", "nx", "ny", "nz")
 """Columns of a CSV pattern."""
@@ -34,13 +31,13 @@ def load_pattern(
 
     file: CSV with a line of names, of which x, y, z, nx, ny and nz are read, and lines that begin with # ignored; or NPZ with the arrays
         `positions` (T, 3) and `normals` (T, 3).
-    unit: of the positions: m, mm, cm, um or in. It is never guessed.
+    unit: of the positions: m, mm, cm, um or inch. It is never guessed.
     size, like: as for sensor_of(), in m. name: default: that of the file without its ending.
 
     Raises InputError for another ending, a missing column or array, what sensor_of() refuses, and IoError for a file that cannot be read.
     """
     path = Path(file)
-    factor = UNITS[checked_names("unit", unit, tuple(UNITS))[0]]
+    factor = LENGTH_UNITS[checked_names("unit", unit, tuple(LENGTH_UNITS))[0]]
     readers = {".csv": _read_csv, ".npz": _read_npz}
     if path.suffix.lower() not in readers:
         raise InputError(f"{path}: ending {path.suffix!r} is not allowed: .csv or .npz")

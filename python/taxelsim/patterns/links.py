@@ -7,14 +7,15 @@ import xml.etree.ElementTree as ElementTree
 from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
-
-import numpy.typing as npt
+from typing import TYPE_CHECKING
 
 from .._core import Box, Cylinder, Pose, Sphere, axis_angle, load_mesh
 from ..errors import InputError, IoError
-from .placement import Placed, cover_shape, grid_on_shape, turned
+from .placement import UP, CoverOptions, GridOptions, Placed, cover_shape, grid_on_shape, turned
 from .surface import Shape
-from .taxels import LIKE, SensorLike
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
 def grid_on_link(
@@ -24,37 +25,27 @@ def grid_on_link(
     cols: int,
     pitch: float | Sequence[float],
     *,
-    direction: npt.ArrayLike = (0, 0, 1),
-    raised: float = 0.0,
-    like: SensorLike = LIKE,
     collision: int | None = None,
+    **options: Unpack[GridOptions],
 ) -> Placed:
-    """A flat grid on a flat part of a link; see grid_on_shape(). X_BS is the pose of the sensor in the link, the `mount` of a robot file.
+    """A flat grid on a flat part of a link. X_BS is the pose of the sensor in the link, the `mount` of a robot file.
 
-    direction: (3), in the frame of the link. collision: number of the <collision> of the link, from 0; needed if it has several.
+    collision: number of the <collision> of the link, from 0; needed if it has several.
+    options: as for grid_on_shape(), with the direction in the frame of the link.
 
     Raises InputError for a link or geometry that is not there, and IoError for a file that cannot be read.
     """
     shape, X_BO = _shape_of(Path(urdf), link, collision)
-    placed = grid_on_shape(shape, rows, cols, pitch, direction=turned(X_BO, direction), raised=raised, like=like)
+    placed = grid_on_shape(shape, rows, cols, pitch, **turned(X_BO, GridOptions(direction=UP) | options))
     return Placed(placed.sensor, X_BO * placed.X_BS)
 
 
 def cover_link(
-    urdf: str | PathLike[str],
-    link: str,
-    pitch: float,
-    *,
-    direction: npt.ArrayLike | None = None,
-    half_angle: float = math.pi / 2,
-    raised: float = 0.0,
-    like: SensorLike = LIKE,
-    collision: int | None = None,
+    urdf: str | PathLike[str], link: str, pitch: float, *, collision: int | None = None, **options: Unpack[CoverOptions]
 ) -> Placed:
-    """Taxels over the curved surface of a link; see cover_shape(), and grid_on_link() for the other arguments and for errors."""
+    """Taxels over the curved surface of a link. options: as for cover_shape(). Otherwise as grid_on_link()."""
     shape, X_BO = _shape_of(Path(urdf), link, collision)
-    axis = None if direction is None else turned(X_BO, direction)
-    placed = cover_shape(shape, pitch, direction=axis, half_angle=half_angle, raised=raised, like=like)
+    placed = cover_shape(shape, pitch, **turned(X_BO, options))
     return Placed(placed.sensor, X_BO * placed.X_BS)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypedDict, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +19,30 @@ from .taxels import LIKE, MAX_TAXELS, SensorLike, sensor_of
 
 SAMPLES_PER_PITCH = 6
 ITERATIONS = 15  # rounds of Lloyd's algorithm
+UP = (0, 0, 1)
+"""Default direction of a grid."""
+
+
+class GridOptions(TypedDict, total=False):
+    """Optional arguments of grid_on_shape(), which grids on links and geoms take too."""
+
+    direction: npt.ArrayLike
+    raised: float
+    like: SensorLike
+    name: str
+
+
+class CoverOptions(TypedDict, total=False):
+    """Optional arguments of cover_shape(), which covers of links and geoms take too."""
+
+    direction: npt.ArrayLike | None
+    half_angle: float
+    raised: float
+    like: SensorLike
+    name: str
+
+
+Options = TypeVar("Options", GridOptions, CoverOptions)
 
 
 @dataclass(frozen=True)
@@ -34,7 +59,7 @@ def grid_on_shape(
     cols: int,
     pitch: float | Sequence[float],
     *,
-    direction: npt.ArrayLike = (0, 0, 1),
+    direction: npt.ArrayLike = UP,
     raised: float = 0.0,
     like: SensorLike = LIKE,
     name: str = "grid",
@@ -127,10 +152,13 @@ def _unit(name: str, direction: npt.ArrayLike) -> Array:
     return np.asarray(vector / length)
 
 
-def turned(X_BO: Pose, direction: npt.ArrayLike) -> list[float]:
-    """A direction in the frame B of a body, in the frame O of its shape. Raises InputError for another shape than (3)."""
+def turned(X_BO: Pose, options: Options) -> Options:
+    """Options with the direction in the frame O of a shape, given in the frame B of its body. Raises InputError."""
+    direction = options.get("direction")
+    if direction is None:
+        return options
     vector = to_array("direction", direction, np.float64, [[3]], per_instance=False)
-    return Pose(rotation=X_BO.rotation).inverse().transform(list(vector))
+    return {**options, "direction": Pose(rotation=X_BO.rotation).inverse().transform(list(vector))}
 
 
 def _rotation(normal: Array) -> list[float]:

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from .._arguments import LENGTH_UNITS
 from .._core import Device, Object, Sensor, load_sensor, max_depth_error_of, parse_object
 from ..errors import Error
 from ..program import SCENES
@@ -24,7 +25,7 @@ from .scene_3d import UNITS, Scene3D
 from .server import LOOPBACK, start_server
 from .state import Item, Press, Settings, View, settings_at
 from .texts import program_text, scene_text
-from .uploads import FILE_UNITS, MAX_BYTES, SUFFIXES, Upload
+from .uploads import MAX_BYTES, SUFFIXES, Upload
 
 DEFAULT_SENSOR, DEFAULT_OBJECT = "wts0614", "cylinder:0.008,0.04"
 UP_AXES = ("z", "y", "x")
@@ -258,7 +259,7 @@ class Playground:
         with client.gui.add_modal(f"Which unit has {upload.name}?") as question:
             sides = " x ".join(f"{side:.4g}" for side in upload.sides)
             client.gui.add_text("bounding box", f"{sides} units of the file, {upload.num_triangles} triangles", disabled=True)
-            unit = client.gui.add_dropdown("unit", tuple(FILE_UNITS), initial_value=upload.likely_unit)
+            unit = client.gui.add_dropdown("unit", tuple(LENGTH_UNITS), initial_value=upload.likely_unit)
             up_axis = client.gui.add_dropdown("axis that points away from the skin", UP_AXES)
             accept, cancel = client.gui.add_button("use it"), client.gui.add_button("cancel")
 
@@ -270,7 +271,7 @@ class Playground:
             except Error as error:
                 self._say(str(error))
                 return
-            self._later(lambda: self._add(Item(Object(mesh), upload.name, FILE_UNITS[unit.value], up_axis.value)))
+            self._later(lambda: self._add(Item(Object(mesh), upload.name, LENGTH_UNITS[unit.value], up_axis.value)))
 
         accept.on_click(use)
         cancel.on_click(lambda _: question.close())

@@ -12,6 +12,7 @@ from pathlib import Path, PurePath
 import numpy as np
 
 from .. import _mesh_child as child
+from .._arguments import LENGTH_UNITS
 from .._core import LONGEST_PLAUSIBLE, Mesh
 from ..errors import InputError
 
@@ -21,8 +22,6 @@ MAX_BYTES = 32 << 20
 """Of an uploaded file."""
 MAX_TRIANGLES = 200_000
 """Of a mesh after its simplification."""
-FILE_UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 0.0254}
-"""Metres per unit of a file."""
 _MAX_LINE = 400  # characters of an error
 
 
@@ -74,14 +73,14 @@ class Upload:
 
     @property
     def likely_unit(self) -> str:
-        """A key of FILE_UNITS: "mm" for a mesh that is implausibly long in metres."""
+        """A key of LENGTH_UNITS: "mm" for a mesh that is implausibly long in metres."""
         return "mm" if max(self.sides) > LONGEST_PLAUSIBLE else "m"
 
     def mesh(self, unit: str, up_axis: str, max_depth_error: float) -> Mesh:
-        """The simplified mesh. unit: a key of FILE_UNITS. Raises InputError."""
-        if unit not in FILE_UNITS:
-            raise InputError(f"unit: {unit!r:.20} is not allowed: {', '.join(FILE_UNITS)}")
-        mesh = read_in_child(self.name, self.content, FILE_UNITS[unit], up_axis, max_depth_error)
+        """The simplified mesh. unit: a key of LENGTH_UNITS. Raises InputError."""
+        if unit not in LENGTH_UNITS:
+            raise InputError(f"unit: {unit!r:.20} is not allowed: {', '.join(LENGTH_UNITS)}")
+        mesh = read_in_child(self.name, self.content, LENGTH_UNITS[unit], up_axis, max_depth_error)
         if len(mesh.triangles) > MAX_TRIANGLES:
             raise InputError(f"{self.name}: {len(mesh.triangles)} triangles after simplification are not allowed: at most {MAX_TRIANGLES}")
         return mesh
