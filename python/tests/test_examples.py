@@ -37,6 +37,7 @@ CLAIMS: dict[str, tuple[tuple[str, ...], str, tuple[tuple[float, float], ...]]] 
         ((3.95, 4.05), (0.99, 1.01), (3.8, 4.2), (1.5, 4)),
     ),
     "curved_fingertip": ((), r"median ([\d.]+) degrees", ((0, 1),)),
+    "cover_mesh": ((), r"(\d+) taxels; .* off by ([\d.]+) mm in the median", ((300, 450), (0, 2))),  # half a taxel
     "three_axis": ((), r"([\d.]+) degrees from raw counts, ([\d.]+) degrees without", ((2, 8), (0, 1.5))),
     "hand_grasp": ((), r"held: (\d+)% .* ([\d.]+) N", ((100, 100), (0, 0.02))),
     "calibrate_gains": (
