@@ -15,6 +15,6 @@ except ImportError as error:
 
 from .cluster import Workers
 from .data_set import Summary, generate
-from .evaluation import evaluate
+from .evaluation import evaluate, evaluate_grasp
 
-__all__ = ["Summary", "Workers", "evaluate", "generate"]
+__all__ = ["Summary", "Workers", "evaluate", "evaluate_grasp", "generate"]

@@ -17,6 +17,7 @@ class EpisodeJob(Job):
     """Episodes of an evaluation."""
 
     controllers: tuple[str, ...] = ()
+    gains: tuple[float, ...] = ()  #: Of a scene of kind grasp.
     kind: tuple[str, ...] = ()  #: kind_of() the first part; empty until there is one.
 
 
@@ -55,6 +56,7 @@ def _played(job: EpisodeJob, episodes: range) -> Played:
         scene,
         job.controllers,
         episodes=episodes,
+        gains=job.gains,
         policy=policy_of(job),
         device=device,
         batch_size=job.batch_size,

@@ -8,12 +8,12 @@ import os
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypedDict
 
-from .._core import Evaluation, Scene
+from .._core import Evaluation, GraspEvaluation, Scene
 from ..errors import InputError
-from ..parts import EvaluationPart, merge_evaluations
-from ..policies.policy import PolicyLike
+from ..parts import EvaluationPart, merge_evaluations, merge_grasp_evaluations
+from ..policies.policy import Policy, PolicyLike
 from ..progress_line import ProgressLine
 from ..runs import ScenePath, as_names, loaded_scene, policy_calls
 from .cluster import Workers, connected, slots
@@ -22,25 +22,29 @@ from .node import SceneName, pickled
 from .storage import Storage, is_remote
 from .tasks import MAX_RETRIES, OnProgress, Tasks, check_tasks, task_length
 
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
 _PARTS = re.compile(r"episodes-\d{8}-\d{8}\.json")  # as `taxelsim evaluate --part` names them, both ends included
 
 
-def evaluate(
-    scene: ScenePath,
-    controllers: str | Sequence[str] = (),
-    *,
-    policy: PolicyLike | None = None,
-    parts: str | os.PathLike[str] | None = None,
-    address: str | None = None,
-    workers: Workers | None = None,
-    num_cpus: int | None = None,
-    batch_size: int = 2048,
-    num_slices: int = 2,
-    task_seconds: float | None = None,
-    max_retries: int = MAX_RETRIES,
-    storage_options: Mapping[str, Any] | None = None,
-    on_progress: OnProgress | None = None,
-) -> list[Evaluation]:
+class Options(TypedDict, total=False):
+    """Optional arguments of evaluate() and evaluate_grasp()."""
+
+    policy: PolicyLike | None
+    parts: str | os.PathLike[str] | None
+    address: str | None
+    workers: Workers | None
+    num_cpus: int | None
+    batch_size: int
+    num_slices: int
+    task_seconds: float | None
+    max_retries: int
+    storage_options: Mapping[str, Any] | None
+    on_progress: OnProgress | None
+
+
+def evaluate(scene: ScenePath, controllers: str | Sequence[str] = (), **options: Unpack[Options]) -> list[Evaluation]:
     """Plays and judges the episodes of taxelsim.evaluate() on a Ray cluster. Waits for all. Returns the same evaluations, bit for bit.
 
     scene, controllers: as of taxelsim.evaluate(). The nodes read the scene from the same path; scenes of the package may be elsewhere.
@@ -55,40 +59,74 @@ def evaluate(
     Raises InputError for bad input and for parts that are damaged or of another evaluation, and if all nodes compute other values than the
     first part has; IoError as taxelsim.ray.generate(); what the policy raises. Ctrl-C raises KeyboardInterrupt.
     """
-    loaded, needs = loaded_scene(scene), workers or Workers()
-    check_tasks(task_seconds, max_retries, batch_size, num_slices)
-    needs.needs()
+    loaded = loaded_scene(scene)
     if loaded.kind == Scene.Kind.GRASP:
-        raise InputError(f"{loaded.file}: a scene of kind grasp is not allowed: taxelsim.evaluate_part(), merge_grasp_evaluations()")
+        raise InputError(f"{loaded.file}: a scene of kind grasp is not allowed: taxelsim.ray.evaluate_grasp()")
     if not loaded.has_task:
         raise InputError(f"{loaded.file}: has no task by which episodes could be judged")
     names = as_names(controllers)
     for name in names:
         if name not in loaded.controllers:
             raise InputError(f"controllers: {name} is not allowed: the scene has {', '.join(loaded.controllers)}")
-    calls = policy_calls(policy, loaded)
+    played, policy = _played(loaded, names, (), **options)
+    return merge_evaluations(loaded, played, names, policy=policy)
+
+
+def evaluate_grasp(scene: ScenePath, gains: Sequence[float] = (), **options: Unpack[Options]) -> list[GraspEvaluation]:
+    """The same as evaluate() for taxelsim.evaluate_grasp(): scene and gains are as there, the options and errors as of evaluate()."""
+    loaded = loaded_scene(scene)
+    if loaded.kind != Scene.Kind.GRASP:
+        raise InputError(f"{loaded.file}: a scene of kind grasp is needed: taxelsim.ray.evaluate()")
+    numbers = tuple(float(gain) for gain in gains)
+    played, policy = _played(loaded, (), numbers, **options)
+    return merge_grasp_evaluations(loaded, played, numbers, policy=policy)
+
+
+def _played(
+    scene: Scene,
+    controllers: Sequence[str],
+    gains: Sequence[float],
+    *,
+    policy: PolicyLike | None = None,
+    parts: str | os.PathLike[str] | None = None,
+    address: str | None = None,
+    workers: Workers | None = None,
+    num_cpus: int | None = None,
+    batch_size: int = 2048,
+    num_slices: int = 2,
+    task_seconds: float | None = None,
+    max_retries: int = MAX_RETRIES,
+    storage_options: Mapping[str, Any] | None = None,
+    on_progress: OnProgress | None = None,
+) -> tuple[list[EvaluationPart], Policy | None]:
+    """Parts of all episodes, and the policy of them."""
+    needs = workers or Workers()
+    check_tasks(task_seconds, max_retries, batch_size, num_slices)
+    needs.needs()
+    calls = policy_calls(policy, scene)
     chosen = None if calls is None else calls.policy
     job = EpisodeJob(
-        scene=SceneName.of(loaded),
+        scene=SceneName.of(scene),
         threads=needs.threads,
         policy=pickled(chosen),
         batch_size=batch_size,
         num_slices=num_slices,
-        controllers=tuple(names),
+        controllers=tuple(controllers),
+        gains=tuple(gains),
     )
     store = None if parts is None else _Store(os.fspath(parts), storage_options or {})
     found = store.load() if store else {}
     for name, part in found.items():
-        part.check(loaded, names, policy=chosen, name=name)
+        part.check(scene, controllers, gains=gains, policy=chosen, name=name)
     line = ProgressLine("episodes")
-    run = _Run(loaded, job, Tasks(play_episodes, needs, max_retries), on_progress or line.show, store, list(found.values()))
+    run = _Run(scene, job, Tasks(play_episodes, needs, max_retries), on_progress or line.show, store, list(found.values()))
     if run.missing():
         with connected(address, num_cpus):
             try:
                 run.complete(task_seconds)
             finally:
                 line.end()
-    return merge_evaluations(loaded, run.parts, names, policy=chosen)
+    return run.parts, chosen
 
 
 class _Store:

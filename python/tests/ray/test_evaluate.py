@@ -2,6 +2,7 @@
 
 import os
 import pickle
+import re
 import signal
 import threading
 from typing import Any
@@ -121,3 +122,21 @@ def test_episodes_that_no_part_has():
     assert gaps(10, [range(2, 4), range(3, 6), range(8, 9)]) == [range(2), range(6, 8), range(9, 10)]
     assert gaps(10, []) == [range(10)]
     assert gaps(10, [range(4, 10), range(4)]) == []
+
+
+def test_evaluates_a_grasp_with_gains_and_a_policy(cluster, tmp_path):
+    text = (taxelsim.SCENES / "gripper_grasp.yaml").read_text().replace("robots/", f"{taxelsim.SCENES}/robots/")
+    (tmp_path / "scene.yaml").write_text(re.sub(r"(?m)^data_set: .*$", "data_set: {episodes: 3, episodes_per_shard: 1}", text))
+    scene = taxelsim.load_scene(tmp_path / "scene.yaml")
+    policy = taxelsim.Policy(lambda observation: np.zeros((len(observation), 2), np.float32), identity="still", check_batch=False)
+    expected = taxelsim.evaluate_grasp(scene, [5, 20], policy=policy)
+    found = taxelsim.ray.evaluate_grasp(scene, [5, 20], policy=policy, workers=WORKERS, parts=tmp_path, task_seconds=0.1)
+    assert len(list(tmp_path.glob("episodes-*.json"))) > 1
+    assert [(one.policy, one.gain) for one in found] == [(one.policy, one.gain) for one in expected]
+    for one, other in zip(found, expected, strict=True):
+        for name, values in other.verdicts.items():
+            np.testing.assert_array_equal(one.verdicts[name], values, name)
+    with pytest.raises(taxelsim.InputError, match=r"scene.yaml: a scene of kind grasp is not allowed: taxelsim.ray.evaluate_grasp"):
+        taxelsim.ray.evaluate(scene)
+    with pytest.raises(taxelsim.InputError, match=r"edge_follow.yaml: a scene of kind grasp is needed: taxelsim.ray.evaluate"):
+        taxelsim.ray.evaluate_grasp(taxelsim.SCENES / "benchmark/edge_follow.yaml")
