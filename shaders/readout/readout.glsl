@@ -18,13 +18,14 @@ vec4 curvePiece(float value, int axis) {
   return piece;
 }
 
-// Counts before limit and output scale, for x = gain F - trigger; linear below 0.
+// Counts before limit and output scale, for x = gain F - trigger; linear below 0, constant beyond the first maximum of a polynomial.
 float curveAt(float x) {
   if (CURVE_PIECES > 0) {
     vec4 piece = curvePiece(x, 0);
     return piece.y + piece.z * (x - piece.x);
   }
   if (x <= 0.0) return CURVE_SLOPE * x;
+  if (CURVE_DEGREE > 1) x = min(x, sensor.curve1.y);
   float y = 0.0;
   for (int power = CURVE_DEGREE; power >= 1; --power) y = (y + curveCoefficient(power)) * x;
   return y;

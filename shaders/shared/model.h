@@ -88,7 +88,7 @@ TAXELSIM_CONSTANT kMaxCurvePieces = 16u;
 // Readout of the whole sensor. Force-to-output curve: a polynomial, or straight pieces.
 struct SensorRecord {
   vec4 curve0;                         // coefficients 1 to 4, counts/N^k for coefficient k
-  vec4 curve1;                         // coefficient 5, 0, 0, 0
+  vec4 curve1;                         // coefficient 5; the largest x that the polynomial is taken at, N; 0, 0
   vec4 curve_pieces[kMaxCurvePieces];  // start of each straight piece, N and counts; its slope, counts/N; inverse slope, N/counts
   vec4 X_SC_row0, X_SC_row1, X_SC_row2;
   vec4 hysteresis_strength;  // per element, up to four

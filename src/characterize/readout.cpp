@@ -33,21 +33,18 @@ RequestedCurve requestedCurve(Measured force_curves) {
   return requested;
 }
 
-// Lowers the degree of the polynomial until the curve rises over the whole range.
-void makeRising(const std::vector<PressedTaxel>& taxels, const std::vector<FitResult>& lines, ReadoutModel& model, GroupedFit& fit,
-                std::vector<std::string>& remarks) {
-  for (; model.num_bends > 0 && !rises(model, fit, taxels); fit = fitReadoutModel(taxels, lines, model, 0)) {
-    remarks.push_back("a curve of degree " + std::to_string(model.num_bends + 1) + " falls within the range: degree reduced by one");
-    --model.num_bends;
+// Fits the model with hysteresis and drift. Lowers the degree of a polynomial until the curve rises over all measured forces.
+void fitRising(const std::vector<FitResult>& lines, ReadoutFit& found, std::vector<std::string>& remarks) {
+  const auto isRising = [&] { return found.model.num_bends == 0 || rises(found.model, found.fit, found.taxels); };
+  for (ReadoutModel plain = found.model;; --plain.num_bends) {
+    found.model = plain;
+    found.fit = fitReadoutModel(found.taxels, lines, found.model, 0);
+    if (isRising()) {
+      found.fit = withHysteresisAndDrift(found.taxels, lines, found.model, std::move(found.fit));
+      if (isRising()) return;
+    }
+    remarks.push_back("a curve of degree " + std::to_string(plain.num_bends + 1) + " falls within the range: degree reduced by one");
   }
-}
-
-// The terms that were added after makeRising() change the curve.
-void checkRising(const ReadoutFit& found, Measured force_curves) {
-  if (found.model.num_bends == 0 || rises(found.model, found.fit, found.taxels)) return;
-  throw Error(ErrorKind::kInput, force_curves.front()->file.generic_string() + ": the fitted curve of degree " +
-                                     std::to_string(found.model.num_bends + 1) +
-                                     " falls within the measured forces: use a lower curve_degree, divider: true or curve_segments");
 }
 
 // By error propagation through gain = a / (w S) and trigger = a f / S.
@@ -86,13 +83,10 @@ ReadoutCovariance fitReadout(Measured force_curves, const std::optional<PsfRange
                    .fit = {}};
   if (requested.num_pieces > 0) {
     found.pieces = fitPieces(found.taxels, requested.num_pieces, pressed.lines, found.model);
-    found.fit = std::move(found.pieces.fit);
+    found.fit = withHysteresisAndDrift(found.taxels, pressed.lines, found.model, std::move(found.pieces.fit));
   } else {
-    found.fit = fitReadoutModel(found.taxels, pressed.lines, found.model, 0);
+    fitRising(pressed.lines, found, result.remarks);
   }
-  makeRising(found.taxels, pressed.lines, found.model, found.fit, result.remarks);
-  found.fit = withHysteresisAndDrift(found.taxels, pressed.lines, found.model, std::move(found.fit));
-  checkRising(found, force_curves);
 
   reportReadout(found, result);
   std::size_t num_rows = 0;

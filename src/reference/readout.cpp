@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sensor/curve.h"
+
 namespace taxelsim::reference {
 
 namespace {
@@ -35,10 +37,11 @@ double analogueOutput(const Readout& readout, double force, double gain, double 
   } else if (x < 0) {
     value = readout.curve[0] * x;
   } else {
-    double power = x;
+    const double held = std::min(x, curveTop(readout.curve));
+    double power = held;
     for (const double coefficient : readout.curve) {
       value += coefficient * power;
-      power *= x;
+      power *= held;
     }
     if (readout.curve_limit > 0) value = value * readout.curve_limit / (readout.curve_limit + value);
   }

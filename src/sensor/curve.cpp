@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace taxelsim {
@@ -78,10 +79,16 @@ double rootBound(const Polynomial& p) {
 
 }  // namespace
 
-double evaluateCurve(std::span<const double> curve, double x) {
-  double value = 0;
-  for (std::size_t m = curve.size(); m-- > 0;) value = (value + curve[m]) * x;
-  return value;
+double curveTop(std::span<const double> curve) {
+  const Polynomial slope = derivative(polynomialOf(curve));
+  if (slope.size() > 1) {
+    const std::vector<double> levels = signChanges(slope, 0, rootBound(slope));
+    for (std::size_t k = 0; k < levels.size(); ++k) {
+      const double next = k + 1 < levels.size() ? levels[k + 1] : 2 * levels[k];
+      if (evaluate(slope, (levels[k] + next) / 2) < 0) return levels[k];  // not only level there
+    }
+  }
+  return std::numeric_limits<double>::infinity();
 }
 
 bool curveRises(std::span<const double> curve, double max, double value) {

@@ -7,8 +7,8 @@
 
 namespace taxelsim {
 
-// sum over m of curve[m] x^(m+1).
-double evaluateCurve(std::span<const double> curve, double x);
+// The x > 0 of the first maximum of the polynomial, which reads as its maximum beyond; infinite if it rises without end.
+double curveTop(std::span<const double> curve);
 
 // True when the curve rises strictly from 0 up to `max`, or to where it first reaches `value`, whichever comes first. max > 0, finite.
 bool curveRises(std::span<const double> curve, double max, double value);

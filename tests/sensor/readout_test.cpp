@@ -1,5 +1,6 @@
 
 
+#include "reference/readout.h"
 #include "sensor/curve.h"
 #include "support/test.h"
 #include "taxelsim/sensor.h"
@@ -68,7 +69,7 @@ TEST(NominalForce, InvertsEveryRisingCurve) {
     readout.output_scale = *rc::gen::inRange(1, 100) * 0.1;
     readout.trigger = *rc::gen::inRange(0, 100) * 0.01;
     const double x = *rc::gen::inRange(1, 10000) * 1e-3;
-    const double counts = readout.output_scale * evaluateCurve(readout.curve, x);
+    const double counts = reference::analogueOutput(readout, readout.trigger + x, 1, readout.trigger, 0);
     RC_ASSERT(std::abs(nominalForce(readout, counts) - readout.trigger - x) <= kRelative * (x + readout.trigger));
   }));
 }
@@ -82,6 +83,13 @@ TEST(NominalForce, RisesWithTheCounts) {
     ASSERT_GT(force, before) << counts;
     before = force;
   }
+}
+
+TEST(CurveTop, IsTheFirstMaximum) {
+  EXPECT_DOUBLE_EQ(curveTop(std::vector<double>{3000, -1000}), 1.5);
+  EXPECT_DOUBLE_EQ(curveTop(std::vector<double>{9, -6, 1}), 1) << "not where it rises again";
+  EXPECT_EQ(curveTop(std::vector<double>{3, -3, 1}), std::numeric_limits<double>::infinity()) << "level at one point only";
+  EXPECT_EQ(curveTop(std::vector<double>{2400}), std::numeric_limits<double>::infinity());
 }
 
 TEST(CurveRises, DetectsFallingCurves) {

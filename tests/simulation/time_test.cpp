@@ -153,6 +153,21 @@ TEST(VariationOnEveryDriver, GainScalesTheReadoutUntilTheNextReset) {
   EXPECT_NEAR(support::stepOnce(simulator, 1e-3).tactile_image[0], 1000 * force, slack);
 }
 
+// 3000 x - 1000 x^2 counts: saturated from 1 N on, largest at 1.5 N, and below 0 from 3 N on.
+TEST(VariationOnEveryDriver, APolynomialThatFallsBeyondItsMaximumStaysSaturated) {
+  Sensor sensor = support::gridSensor({.num_rows = 1, .num_cols = 1});
+  sensor.readout.curve = {3000, -1000};
+  sensor.readout.saturation = 2000;
+  Simulator simulator = support::makeSimulator(sensor, {Object(HalfSpace{})});
+  const double depth = 0.5e-3, force = 1.73e8 * depth * 3.4e-3 * 3.4e-3;  // 1.0 N
+  support::setTouches(simulator, {{{0}, {{.position = {0, 0, -depth}}}}});
+  for (const float gain : {0.5f, 1.2f, 2.0f, 4.0f, 100.0f}) {
+    simulator.reset(0, 1, {.gain = gain});
+    const double x = std::min(gain * force, 1.5);
+    EXPECT_NEAR(support::stepOnce(simulator, 1e-3).tactile_image[0], std::min(3000 * x - 1000 * x * x, 2000.0), 2) << gain;
+  }
+}
+
 TEST(VariationOnEveryDriver, NoiseAndGainSpreadHaveTheirStandardDeviations) {
   constexpr int kSide = 64, kNumTaxels = kSide * kSide;
   Sensor sensor = support::gridSensor({.num_rows = kSide, .num_cols = kSide, .pitch_x = 1e-3, .pitch_y = 1e-3, .samples_per_taxel = 1});
