@@ -7,6 +7,7 @@
 #include "base/text.h"
 #include "characterize/creep.h"
 #include "characterize/fits.h"
+#include "characterize/frame_noise.h"
 #include "characterize/limits.h"
 #include "characterize/stamp_selection.h"
 #include "characterize/temperature.h"
@@ -54,6 +55,7 @@ class StampReport {
   void reportStiffness();
   void reportTemperature();
   void reportGains();
+  void reportNoise();
   void reportPoses();
 
  private:
@@ -304,6 +306,22 @@ void StampReport::reportPose(const std::string& name, const double* pose, const 
   if (model_.with_tilt) report(".slope_x", "", kSlopeX), report(".slope_y", "", kSlopeY);
 }
 
+void StampReport::reportNoise() {
+  const FrameNoise noise = frameNoiseOf(model_.stamps, model_.curve.top);
+  if (noise.num_series == 0) return;
+  const auto report = [&](const char* parameter, const char* unit, double square, double half, double& setting) {
+    const bool is_known = std::ranges::any_of(
+        result_.estimates, [&](const Estimate& estimate) { return estimate.determined && estimate.parameter == parameter; });
+    if (is_known) return;
+    const double value = std::sqrt(std::max(0.0, square));
+    add(result_, parameter, unit, value, half / (2 * value), std::to_string(noise.num_series) + " taxels of " + over_,
+        square > half ? "" : "not above the rounding to counts, or too few frames");
+    if (result_.estimates.back().determined) setting = value;
+  };
+  report("readout.noise", "counts", noise.variance, noise.variance_half, result_.sensor.readout.noise);
+  report("readout.random_walk", "counts/sqrt(s)", noise.walk, noise.walk_half, result_.sensor.readout.random_walk);
+}
+
 void StampReport::reportPoses() {
   for (std::size_t f = 0; f < model_.fixtures.size(); ++f) {
     const std::size_t at = model_.fixturesAt() + kPoseSize * f;
@@ -326,6 +344,7 @@ void reportStamps(const StampModel& model, const StampFit& found, Characterizati
   report.reportStiffness();
   report.reportTemperature();
   report.reportGains();
+  report.reportNoise();
   report.reportPoses();
 }
 

@@ -69,6 +69,12 @@ std::vector<double> predictedBySensor(const Characterization& result, const std:
   return {frame.counts.begin(), frame.counts.end()};
 }
 
+// Readings that the electronics can give, as those of the sensor are: whole counts within the range.
+std::vector<double> asCounts(std::vector<double> image, const Readout& readout) {
+  for (double& value : image) value = std::clamp(std::round(value), 0.0, static_cast<double>(readout.saturation));
+  return image;
+}
+
 std::vector<RecordedPress> recordedPresses(const std::vector<Measurement>& stamps, const std::vector<Measurement>& others,
                                            double& longest_fit) {
   const std::vector<std::size_t> places = placesOf(stamps, others, longest_fit);
@@ -182,9 +188,9 @@ CrossValidation validateStamps(const std::vector<Measurement>& stamps, const std
       const std::vector<double> none(real.size(), std::nan(""));
       add(kSensor, predictedBySensor(fitted, same_place, stamps[k], 1));
       add(kZero, std::vector<double>(real.size()));
-      add(kBlur, blurredFootprint(sensor, seen, presses[k]));
-      add(kBlurWithGains, blurredFootprintWithGains(sensor, seen, presses[k]));
-      add(kLine, same_place.empty() ? none : linePerTaxel(seen, presses[k]));
+      add(kBlur, asCounts(blurredFootprint(sensor, seen, presses[k]), sensor.readout));
+      add(kBlurWithGains, asCounts(blurredFootprintWithGains(sensor, seen, presses[k]), sensor.readout));
+      add(kLine, same_place.empty() ? none : asCounts(linePerTaxel(seen, presses[k]), sensor.readout));
       add(kSensorOnBench, predictedBySensor(fitted, same_place, stamps[k], press_gain));
       add(kRepeat, repeats.empty() ? none : repeats.front());
       add(kEqualGains, predictedBySensor(equal, same_place, stamps[k], 1));

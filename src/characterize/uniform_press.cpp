@@ -22,8 +22,10 @@
 namespace taxelsim {
 namespace {
 
-constexpr double kClearOfNoise = 4;    // standard deviations that a reading must be above 0
-constexpr std::size_t kLeastRead = 2;  // presses with a reading that a gain needs
+constexpr double kClearOfNoise = 4;  // standard deviations that a reading must be above 0
+// Scatter per taxel and press where one press cannot show it: between repeated presses of a real finger (docs/notes/validation.md).
+constexpr double kUsualScatter = 0.04;
+constexpr double kKnown = 1e6;  // degrees of freedom of intervals by a scatter that is not estimated
 constexpr int kRounds = 50;
 
 // One press: mean counts of each taxel over its frames.
@@ -81,7 +83,7 @@ class UniformFit {
   UniformFit(const Presses& presses, const Sensor& sensor);
 
   void solve();
-  bool isRead(std::size_t taxel) const { return num_read_[taxel] >= kLeastRead; }
+  bool isRead(std::size_t taxel) const { return num_read_[taxel] >= leastRead(); }
   std::size_t numOutliers() const {
     return static_cast<std::size_t>(std::count_if(readings_.begin(), readings_.end(), [](const LogReading& r) { return r.is_outlier; }));
   }
@@ -95,6 +97,8 @@ class UniformFit {
   double freedom = 0;
 
  private:
+  // Presses with a reading that a gain needs.
+  std::size_t leastRead() const { return std::min<std::size_t>(log_force.size(), 2); }
   void weigh();
   void alternate();
   double residual(const LogReading& reading) const { return reading.value - log_force[reading.press] - log_gain[reading.taxel]; }
@@ -124,7 +128,7 @@ UniformFit::UniformFit(const Presses& presses, const Sensor& sensor) {
     }
   }
   for (const LogReading& reading : readings_) ++num_read_[reading.taxel];
-  std::erase_if(readings_, [&](const LogReading& reading) { return num_read_[reading.taxel] < kLeastRead; });
+  std::erase_if(readings_, [&](const LogReading& reading) { return !isRead(reading.taxel); });
 }
 
 // Weighted means of presses and of taxels in turn, until the gains rest.
@@ -159,7 +163,7 @@ void UniformFit::weigh() {
 
 void UniformFit::solve() {
   constexpr double kConverged = 1e-6;
-  scatter = 0.05;  // start value: between repeated presses of a real finger
+  scatter = kUsualScatter;
   for (int round = 0; round < kRounds; ++round) {
     weigh();
     alternate();
@@ -173,7 +177,8 @@ void UniformFit::solve() {
     double spent = -1;
     for (const double one : num_used) spent += one;
     for (const double one : press_used) spent += one;
-    freedom = used - spent;
+    freedom = log_force.size() == 1 ? kKnown : used - spent;
+    if (log_force.size() == 1) break;
     if (!(freedom >= 1)) return;
     const auto squares = [&](double trial) {
       double sum = 0;
@@ -238,16 +243,13 @@ void reportPresses(const Presses& presses, const UniformFit& fit, Characterizati
 ReadoutCovariance fitUniformPress(Measured measurements, Characterization& result) {
   const Presses presses = pressesOf(measurements, result.sensor.readout.noise);
   const std::string file = measurements.front()->file.generic_string();
-  if (presses.images.size() < kLeastRead) {
-    throw Error(ErrorKind::kInput, file + ": one press: gains and their intervals need at least two");
-  }
   UniformFit fit(presses, result.sensor);
   const auto num_taxels = static_cast<std::size_t>(numTaxels(result.sensor));
   double count = 0;
   for (std::size_t t = 0; t < num_taxels; ++t) count += fit.isRead(t) ? 1 : 0;
   if (count < 2) {
-    throw Error(ErrorKind::kInput,
-                file + ": " + numberText(count) + " taxels read between 0 and saturation in two presses, at least two are needed");
+    throw Error(ErrorKind::kInput, file + ": " + numberText(count) + " taxels read between 0 and saturation" +
+                                       (presses.images.size() > 1 ? " in two presses" : "") + ", at least two are needed");
   }
   fit.solve();
   if (!(fit.freedom >= 1)) throw Error(ErrorKind::kInput, file + ": too few readings between 0 and saturation for intervals");
@@ -285,7 +287,8 @@ ReadoutCovariance fitUniformPress(Measured measurements, Characterization& resul
   if (num_missing > 0) {
     result.remarks.push_back(std::to_string(num_missing) + " taxels read 0 or are saturated under the uniform presses: their gain stays 1");
   }
-  result.remarks.push_back("uniform presses: scatter of " + percent(fit.scatter) + " per taxel and press, next to " +
+  result.remarks.push_back("uniform presses: scatter of " + percent(fit.scatter) + " per taxel and press" +
+                           (presses.images.size() > 1 ? "" : " assumed, since one press does not show it") + ", next to " +
                            numberText(std::round(presses.noise * 10) / 10) + " counts of noise");
   reportPresses(presses, fit, result);
   result.fits.push_back({.measurement = namesOf(measurements),

@@ -18,7 +18,7 @@ std::string refusal(const Sensor& truth, const StampImages& stamp) {
 
 TEST(StampImages, FindsAllParametersWithRightIntervals) {
   const Sensor truth = baseSensor();
-  int sigma = 0, scale = 0, trigger = 0, fraction = 0, place = 0;
+  int sigma = 0, scale = 0, trigger = 0, fraction = 0, noise = 0, place = 0;
   for (int run = 0; run < 20; ++run) {
     const std::vector<Press> presses = drawn(static_cast<std::uint64_t>(run + 1), 3);
     const Characterization result = fitted(truth, recordedAll(truth, presses));
@@ -26,6 +26,8 @@ TEST(StampImages, FindsAllParametersWithRightIntervals) {
     scale += holds(result, "readout.curve.counts_per_newton", 2000);
     trigger += holds(result, "readout.trigger", 0.03);
     fraction += holds(result, "readout.creep[0].fraction", 0.2);
+    noise += holds(result, "readout.noise", presses[0].noise);
+    EXPECT_NEAR(result.sensor.readout.noise, presses[0].noise, 1) << "counts";
     place +=
         holds(result, "stamp1.x", presses[1].x) + holds(result, "stamp1.y", presses[1].y) + holds(result, "stamp1.yaw", presses[1].yaw);
   }
@@ -34,6 +36,7 @@ TEST(StampImages, FindsAllParametersWithRightIntervals) {
   EXPECT_GE(scale, 16);
   EXPECT_GE(trigger, 16);
   EXPECT_GE(fraction, 16);
+  EXPECT_GE(noise, 16);
   EXPECT_GE(place, 52);
 }
 
