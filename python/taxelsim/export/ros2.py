@@ -14,14 +14,13 @@ from numpy.typing import NDArray
 
 from .. import __version__
 from ..pictures import TACTILE_IMAGE, TAXEL_COUNTS
+from ..ros2.messages import definition_of, image, pixels, pose, twist, wrench
 from .features import ACTION, column_of, num_sensors, shown_sensors
-from .messages import definition_of
 from .source import Block, Source
 from .staging import new_file, staged_folder, write_json
 
 BLOCK_FRAMES = 1 << 14  # that are in memory at once
 _WRENCH = "data/ground_truth/contact_wrench"
-_ENCODINGS = {("uint16", 1): "mono16", ("int32", 1): "32SC1", ("int32", 3): "32SC3"}
 
 
 @dataclass(frozen=True)
@@ -36,42 +35,13 @@ class _Topic:
     sensor: str = ""  #: Sensor that has the column; empty in data sets of one kind of sensor.
 
 
-def _vector(values: NDArray[Any]) -> dict[str, float]:
-    return {"x": float(values[0]), "y": float(values[1]), "z": float(values[2])}
-
-
-def _pose(values: NDArray[Any]) -> dict[str, Any]:
-    return {"pose": {"position": _vector(values), "orientation": {**_vector(values[4:]), "w": float(values[3])}}}
-
-
-def _wrench(values: NDArray[Any]) -> dict[str, Any]:
-    return {"wrench": {"force": _vector(values), "torque": _vector(values[3:])}}
-
-
-def _twist(values: NDArray[Any]) -> dict[str, Any]:
-    return {"twist": {"linear": _vector(values), "angular": _vector(values[3:])}}
-
-
-def _image(values: NDArray[Any]) -> dict[str, Any]:
-    """Rows of a grid along x, or one row of taxels."""
-    return _pixels(values[..., None])
-
-
-def _pixels(values: NDArray[Any]) -> dict[str, Any]:
-    """Channels are the last axis."""
-    *rows, width, channels = values.shape
-    little = values.astype(values.dtype.newbyteorder("<"))
-    size = {"height": rows[0] if rows else 1, "width": width, "step": width * channels * values.itemsize}
-    return {**size, "encoding": _ENCODINGS[values.dtype.name, channels], "is_bigendian": 0, "data": little.tobytes()}
-
-
 _TOPICS = (
-    _Topic("image", TACTILE_IMAGE, "sensor_msgs/Image", "sensor", _image),
-    _Topic("taxel_counts", TAXEL_COUNTS, "sensor_msgs/Image", "sensor", _pixels),
-    _Topic("contact_wrench", _WRENCH, "geometry_msgs/WrenchStamped", "sensor", _wrench),
-    _Topic("object_pose", "data/pose", "geometry_msgs/PoseStamped", "sensor", _pose),
-    _Topic("sensor_pose", "data/sensor_pose", "geometry_msgs/PoseStamped", "world", _pose),
-    _Topic("action", ACTION, "geometry_msgs/TwistStamped", "sensor", _twist),
+    _Topic("image", TACTILE_IMAGE, "sensor_msgs/Image", "sensor", image),
+    _Topic("taxel_counts", TAXEL_COUNTS, "sensor_msgs/Image", "sensor", pixels),
+    _Topic("contact_wrench", _WRENCH, "geometry_msgs/WrenchStamped", "sensor", wrench),
+    _Topic("object_pose", "data/pose", "geometry_msgs/PoseStamped", "sensor", pose),
+    _Topic("sensor_pose", "data/sensor_pose", "geometry_msgs/PoseStamped", "world", pose),
+    _Topic("action", ACTION, "geometry_msgs/TwistStamped", "sensor", twist),
 )
 
 
