@@ -13,6 +13,9 @@ from .errors import InputError
 # A dimension of an expected shape: its size and the symbol that stands for it in messages, or a fixed number.
 Dimension = int | tuple[int, str]
 
+QUATERNION_TOLERANCE = 1e-3
+"""Largest deviation of the length of a rotation from 1, as in C++ (kQuaternionTolerance)."""
+
 
 def _size(dimension: Dimension) -> int:
     return dimension if isinstance(dimension, int) else dimension[0]

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from ._arrays import rotation_matrices, to_array
+from ._arrays import QUATERNION_TOLERANCE, rotation_matrices, to_array
 from .errors import InputError
 
 
@@ -40,7 +40,7 @@ def contact_points(instances: npt.ArrayLike, positions: npt.ArrayLike, forces: n
     if outside.any():
         raise InputError(f"instances: {rows[outside.argmax()]} of index {outside.argmax()} is not allowed: 0 to {len(poses) - 1}")
     lengths = np.linalg.norm(poses[:, 3:], axis=1)
-    wrong = np.abs(lengths - 1) > 1e-3
+    wrong = np.abs(lengths - 1) > QUATERNION_TOLERANCE
     if wrong.any():
         raise InputError(f"X_WS: quaternion of length {lengths[wrong.argmax()]:g} found in instance {wrong.argmax()}, 1 allowed")
     order = np.argsort(rows, kind="stable")
