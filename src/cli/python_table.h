@@ -25,6 +25,7 @@ inline constexpr std::array kPythonSubcommands{
     PythonSubcommand{.name = "report", .words = {}, .description = "Write a data set as a page of HTML, or its card"},
     PythonSubcommand{.name = "view", .words = {}, .description = "Show episodes of a data set or a scene in the viewer Rerun"},
     PythonSubcommand{.name = "play", .words = {}, .description = "Press an object into a sensor in the browser"},
+    PythonSubcommand{.name = "ros2", .words = {}, .description = "Publish the touch of a scene to ROS 2, without an installation of ROS"},
     PythonSubcommand{
         .name = "sensor", .words = {}, .description = "Make a sensor file from places of taxels, or from the surface of a mesh"},
     PythonSubcommand{
