@@ -12,7 +12,7 @@ from report import machine, summary, write_json
 
 import taxelsim
 from taxelsim.play import Playground
-from taxelsim.play.scene_3d import UNITS
+from taxelsim.play.skins import UNITS
 
 NUM_DRAGS, WARM_UP = 200, 10
 
@@ -30,7 +30,7 @@ def drag(playground: Playground, k: int) -> float:
     pose, done = playground.view.pose, playground.num_views
     position = UNITS * (pose[:3] + [1e-5 * (-1) ** k, 0, 0])
     begun = time.perf_counter()
-    playground._drag(SimpleNamespace(position=position, wxyz=pose[3:]))
+    playground._drag(0, SimpleNamespace(position=position, wxyz=pose[3:]))
     while playground.num_views == done:
         time.sleep(1e-4)
     return time.perf_counter() - begun

@@ -18,6 +18,7 @@ void bindStiffness(nb::module_& module);
 void bindModel(nb::module_& module);
 void bindSimulator(nb::module_& module);
 void bindScene(nb::module_& module);
+void bindRobot(nb::module_& module);
 void bindEnvironment(nb::module_& module);
 void bindGrasps(nb::module_& module);
 void bindRuns(nb::module_& module);

@@ -44,6 +44,7 @@ NB_MODULE(_core, module) {
   bindModel(module);
   bindSimulator(module);
   bindScene(module);
+  bindRobot(module);
   bindEnvironment(module);
   bindRuns(module);
   bindGrasps(module);

@@ -52,6 +52,12 @@ std::vector<Object> objectsOf(const Scene& scene) {
   return objects;
 }
 
+std::vector<Pose> objectPosesOf(const Scene& scene) {
+  std::vector<Pose> poses;
+  for (const SceneObject& object : scene.objects) poses.push_back(object.pose);
+  return poses;
+}
+
 std::vector<std::string> controllerNames(const Scene& scene) {
   std::vector<std::string> names;
   if (scene.kind == Scene::Kind::kServo) {
@@ -76,6 +82,7 @@ void bindScene(nb::module_& module) {
       .def_ro("sensor", &Scene::sensor, "The sensor; of kind GRASP the first of `sensors`.")
       .def_prop_ro("sensors", &sensorsOf, "(name, sensor) of the robot's sensors, in its order; empty for other kinds than GRASP.")
       .def_prop_ro("objects", &objectsOf, "The objects, in the order of the scene.")
+      .def_prop_ro("object_poses", &objectPosesOf, "X_WO of each object at the start; of kind GRASP only.")
       .def_prop_ro("controllers", &controllerNames, "Names of the controllers; empty for other kinds than SERVO.")
       .def_prop_ro(
           "has_task", [](const Scene& self) { return self.task.has_value(); }, "Whether evaluate() can judge its episodes.")

@@ -22,6 +22,7 @@ inline constexpr std::array kPythonSubcommands{
     PythonSubcommand{.name = "finish", .words = {"--card"}, .description = ""},
     PythonSubcommand{.name = "inspect", .words = {"--format"}, .description = ""},
     PythonSubcommand{.name = "render", .words = {".mp4", ".gif"}, .description = ""},
+    PythonSubcommand{.name = "robot", .words = {"--view"}, .description = ""},
     PythonSubcommand{.name = "report", .words = {}, .description = "Write a data set as a page of HTML, or its card"},
     PythonSubcommand{.name = "view", .words = {}, .description = "Show episodes of a data set or a scene in the viewer Rerun"},
     PythonSubcommand{.name = "play", .words = {}, .description = "Press an object into a sensor in the browser"},

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "base/log.h"
-#include "base/yaml_parse.h"
 #include "cli/commands.h"
 #include "cli/print.h"
 #include "cli/robot_closing.h"
@@ -152,23 +151,12 @@ nlohmann::ordered_json asJson(const Manipulator& robot, const std::vector<double
   return {{"joints", joints}, {"sensors", mounts}};
 }
 
-// The scene of that file; none for a robot file.
-std::optional<Scene> sceneOf(const std::string& file) {
-  const YamlTree tree = parseYaml(readYamlFile(file), file);
-  const bool is_scene = std::ranges::any_of(tree.keys, [](const YamlTree::Key& key) { return key.text == "kind"; });
-  return is_scene ? std::optional(loadScene(file)) : std::nullopt;
-}
-
 int runRobot(const RobotArguments& arguments) {
-  std::vector<RobotSensor> named;
-  const std::optional<Scene> scene = sceneOf(arguments.file);
-  const Robot any = scene ? scene->robot : loadRobotFile(arguments.file, named);
+  const std::optional<Scene> scene = isSceneFile(arguments.file) ? std::optional(loadScene(arguments.file)) : std::nullopt;
+  const auto [any, named, names, urdf, base_link] = loadRobotFile(arguments.file);
   const bool closes = scene && scene->grasp;
-  if (closes) named = scene->grasp->sensors;
   const Manipulator* const robot = std::get_if<Manipulator>(&any);
   if (robot == nullptr) throw Error(ErrorKind::kInput, arguments.file + ": a free-flying sensor has no joints to show");
-  std::vector<std::string> names;
-  for (std::size_t s = 0; s < robot->sensors.size(); ++s) names.push_back(named.empty() ? fmt::format("sensor {}", s) : named[s].name);
   const std::vector<double> start = positionsOf(*robot, arguments.joints);
   if (arguments.closed && !closes) throw Error(ErrorKind::kInput, "--closed: " + arguments.file + " is not a scene of kind grasp");
   const std::vector<double> positions = arguments.closed ? closingPositions(*scene, start, closingTime(*scene, start)) : start;
@@ -201,7 +189,8 @@ void addRobot(CLI::App& app, Action& action) {
       "Example:\n  taxelsim robot scenes/robots/shadow_hand.yaml --joint FFJ3=20 --png hand.png\n"
       "Poses are in the world, at the initial joint positions unless --joint changes them.\n"
       "  taxelsim robot scenes/shadow_grasp.yaml --closed --png closed.png\n"
-      "A scene of kind grasp also shows where its fingers are when open and closed, objects near their way, and sensors that can touch.");
+      "A scene of kind grasp also shows where its fingers are when open and closed, objects near their way, and sensors that can touch.\n"
+      "--view serves a page that draws links and taxels in 3-D, with a slider for each joint; it needs `pip install 'taxelsim[play]'`.");
   const auto arguments = std::make_shared<RobotArguments>();
   command->add_option("file", arguments->file, "Robot file, or scene, whose fingers are shown as they close (YAML)")
       ->required()

@@ -7,6 +7,7 @@
 
 #include "base/field_checks.h"
 #include "base/vector3.h"
+#include "control/link_frames.h"
 #include "control/robot_fields.h"
 #include "control/urdf_model.h"
 
@@ -45,19 +46,23 @@ class UrdfRobot {
   UrdfRobot(const std::filesystem::path& file, const UrdfOptions& options) : model_(file), options_(options) {}
 
   Manipulator build();
+  std::vector<MountedSensor> linkFrames(const std::vector<Joint>& joints);
 
  private:
   void requireLink(const std::string& link) const;
+  std::string baseLink() const;
   MountedSensor sensorOn(const std::string& base, const SensorMount& mount);
   MimicRelation resolveMimic(const urdf::Joint& joint) const;
   int jointIndex(const urdf::Joint& joint);
   void applyLimits(Joint& leader, const urdf::Joint& joint, const MimicRelation& relation) const;
-  void check(const urdf::Joint& joint) const;
+  bool isHeld(const urdf::Joint& joint) const;
+  void check(const urdf::Joint& joint, bool is_held = false) const;
 
   UrdfModel model_;
   const UrdfOptions& options_;
   Manipulator robot_;
   std::map<std::string, int> indices_;  // by name, of joints in robot_.joints
+  bool holds_others_ = false;           // whether joints without an index stay at position 0
 };
 
 void UrdfRobot::requireLink(const std::string& link) const {
@@ -72,18 +77,22 @@ void UrdfRobot::requireLink(const std::string& link) const {
   model_.fail("no link " + link + ": the links are " + names);
 }
 
-void UrdfRobot::check(const urdf::Joint& joint) const {
+bool UrdfRobot::isHeld(const urdf::Joint& joint) const {
+  return joint.type == urdf::Joint::FIXED || (holds_others_ && !indices_.contains(resolveMimic(joint).leader->name));
+}
+
+void UrdfRobot::check(const urdf::Joint& joint, bool is_held) const {
   const auto require = [&](bool holds, const std::string& field, double value, const std::string& allowed) {
     if (!holds) model_.fail("joint " + joint.name + ": " + field + ": " + numberText(value) + " is not allowed: " + allowed);
   };
-  if (joint.type == urdf::Joint::FLOATING || joint.type == urdf::Joint::PLANAR) {
+  if (!is_held && (joint.type == urdf::Joint::FLOATING || joint.type == urdf::Joint::PLANAR)) {
     model_.fail("joint " + joint.name + " is " + (joint.type == urdf::Joint::PLANAR ? "planar" : "floating") +
                 ": revolute, continuous, prismatic or fixed is allowed on the path to a sensor");
   }
   const urdf::Vector3& p = joint.parent_to_joint_origin_transform.position;
   const urdf::Rotation& q = joint.parent_to_joint_origin_transform.rotation;
   for (const double value : {p.x, p.y, p.z, q.x, q.y, q.z, q.w}) require(std::isfinite(value), "origin", value, "finite numbers");
-  if (joint.type == urdf::Joint::FIXED) return;
+  if (is_held || joint.type == urdf::Joint::FIXED) return;
   const double axis = length({joint.axis.x, joint.axis.y, joint.axis.z});
   require(std::isfinite(axis) && axis > 0, "axis", axis, "a vector of finite length > 0");
   if (joint.limits) {
@@ -151,9 +160,10 @@ MountedSensor UrdfRobot::sensorOn(const std::string& base, const SensorMount& mo
   for (const KDL::Segment& segment : chain.segments) {
     const KDL::Joint& joint = segment.getJoint();
     const urdf::JointConstSharedPtr urdf_joint = model_.urdf().getJoint(joint.getName());
-    check(*urdf_joint);
+    const bool is_held = isHeld(*urdf_joint);
+    check(*urdf_joint, is_held);
     const Pose X_LN = poseOf(segment.pose(0));  // next link in the current one
-    if (urdf_joint->type == urdf::Joint::FIXED) {
+    if (is_held) {
       X_PL = X_PL * X_LN;
       continue;
     }
@@ -176,10 +186,25 @@ MountedSensor UrdfRobot::sensorOn(const std::string& base, const SensorMount& mo
   return sensor;
 }
 
-Manipulator UrdfRobot::build() {
-  robot_.name = model_.urdf().getName();
+std::string UrdfRobot::baseLink() const {
   const std::string base = options_.base_link.empty() ? model_.urdf().getRoot()->name : options_.base_link;
   requireLink(base);
+  return base;
+}
+
+std::vector<MountedSensor> UrdfRobot::linkFrames(const std::vector<Joint>& joints) {
+  holds_others_ = true;
+  robot_.joints = joints;
+  for (std::size_t j = 0; j < joints.size(); ++j) indices_.emplace(joints[j].name, static_cast<int>(j));
+  const std::string base = baseLink();
+  std::vector<MountedSensor> links;
+  for (const auto& [name, unused] : model_.urdf().links_) links.push_back(sensorOn(base, {.link = name, .X_LS = {}}));
+  return links;
+}
+
+Manipulator UrdfRobot::build() {
+  robot_.name = model_.urdf().getName();
+  const std::string base = baseLink();
   for (const SensorMount& mount : options_.sensors) robot_.sensors.push_back(sensorOn(base, mount));
   if (robot_.joints.empty()) model_.fail("no joint moves between link " + base + " and the sensors");
   checkRobot(robot_);
@@ -192,6 +217,11 @@ Manipulator loadUrdf(const std::filesystem::path& file, const UrdfOptions& optio
   checkFields("", kUrdfFields, options);
   if (options.sensors.empty()) failField("sensors", "an empty list", "at least one sensor");
   return UrdfRobot(file, options).build();
+}
+
+std::vector<MountedSensor> linkFrames(const std::filesystem::path& file, const std::string& base_link, const std::vector<Joint>& joints) {
+  const UrdfOptions options{.base_link = base_link, .sensors = {}};
+  return UrdfRobot(file, options).linkFrames(joints);
 }
 
 }  // namespace taxelsim

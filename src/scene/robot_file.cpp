@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cctype>
 #include <set>
+#include <string>
+#include <tuple>
 
 #include "control/robot_fields.h"
 #include "scene/hashed_file.h"
@@ -24,6 +26,7 @@ struct SensorFiles {
   const std::filesystem::path& directory;          // of sensor files
   std::vector<RobotSensor>* sensors;               // of a scene whose mounts have sensors of their own, else null
   const std::filesystem::path* robot_description;  // the URDF of the robot, else null
+  LoadedRobot* loaded = nullptr;                   // receives the URDF and its base link, unless it is null
 };
 
 void writeMount(const SensorMount& mount, Canonical& canonical) {
@@ -183,6 +186,7 @@ Manipulator readUrdf(const YamlMap& parent, const SensorFiles& files) {
   JointDrive drive;
   readFields(map, kDriveFields, drive);
   options.sensors = readMounts(map, {}, {files.directory, files.sensors, &file});
+  if (files.loaded != nullptr) std::tie(files.loaded->urdf, files.loaded->base_link) = std::tie(file, options.base_link);
   Manipulator robot = atNode(map.node(), [&] { return loadUrdf(file, options); });
   robot.drive = drive;
   readManipulator(map, robot);
@@ -210,11 +214,16 @@ Robot readRobotFile(const std::filesystem::path& file, std::vector<RobotSensor>*
   return readRobot(root, {folder, sensors, nullptr}, canonical, true);
 }
 
-// Whether the first mount of a robot file names its sensor, as those for scenes of kind grasp do.
-bool namesSensors(const std::filesystem::path& file) {
-  const std::string name = file.generic_string();
-  const YamlTree tree = parseYaml(readYamlFile(file), name);
-  const YamlNode root(tree, name);
+// The robot file that the key `robot` of a scene names.
+std::filesystem::path robotFileOf(const YamlNode& node, const std::filesystem::path& directory) {
+  std::filesystem::path file = directory / node.text(kRobotBlock);
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) node.fail(file.generic_string() + " is not there, or not a file");
+  return file;
+}
+
+// Whether the first mount of a robot names its sensor, as those for scenes of kind grasp do.
+bool namesSensors(const YamlNode& root) {
   for (const char* kind : {"urdf", "pan_tilt"}) {
     const std::optional<YamlNode> robot = root.isMap() ? root.child(kind) : std::nullopt;
     const std::optional<YamlNode> mounts = robot && robot->isMap() ? robot->child("sensors") : std::nullopt;
@@ -225,12 +234,43 @@ bool namesSensors(const std::filesystem::path& file) {
   return false;
 }
 
+bool isScene(const YamlNode& root) {
+  return root.isMap() && root.child("kind").has_value();
+}
+
+// The robot of a robot file (`is_file`), or of the block `robot` of a scene.
+LoadedRobot loadRobot(const YamlNode& node, const std::filesystem::path& folder, bool is_file) {
+  LoadedRobot loaded;
+  Canonical none;
+  if (is_file) checkFormatVersion(node);
+  loaded.robot = readRobot(node, {folder, namesSensors(node) ? &loaded.sensors : nullptr, nullptr, &loaded}, none, is_file);
+  for (const RobotSensor& sensor : loaded.sensors) loaded.names.push_back(sensor.name);
+  const auto* manipulator = std::get_if<Manipulator>(&loaded.robot);
+  for (std::size_t s = loaded.names.size(); manipulator != nullptr && s < manipulator->sensors.size(); ++s)
+    loaded.names.push_back("sensor " + std::to_string(s));
+  return loaded;
+}
+
 }  // namespace
 
-Robot loadRobotFile(const std::filesystem::path& file, std::vector<RobotSensor>& sensors) {
-  sensors.clear();
-  Canonical none;
-  return readRobotFile(file, namesSensors(file) ? &sensors : nullptr, none);
+bool isSceneFile(const std::filesystem::path& file) {
+  const std::string name = file.generic_string();
+  const YamlTree tree = parseYaml(readYamlFile(file), name);
+  return isScene(YamlNode(tree, name));
+}
+
+LoadedRobot loadRobotFile(const std::filesystem::path& file) {
+  const std::string name = file.generic_string();
+  const YamlTree tree = parseYaml(readYamlFile(file), name);
+  const YamlNode root(tree, name);
+  if (!isScene(root)) return loadRobot(root, file.parent_path(), true);
+  const std::optional<YamlNode> robot = root.child("robot");
+  if (!robot) return {};
+  if (robot->isMap()) return loadRobot(*robot, file.parent_path(), false);
+  const std::filesystem::path robot_file = robotFileOf(*robot, file.parent_path());
+  const std::string robot_name = robot_file.generic_string();
+  const YamlTree robot_tree = parseYaml(readYamlFile(robot_file), robot_name);
+  return loadRobot(YamlNode(robot_tree, robot_name), robot_file.parent_path(), true);
 }
 
 Robot readRobotBlock(const YamlMap& scene, const std::filesystem::path& directory, std::vector<RobotSensor>* sensors) {
@@ -243,10 +283,7 @@ Robot readRobotBlock(const YamlMap& scene, const std::filesystem::path& director
   } else if (node->isMap()) {
     robot = readRobot(*node, {directory, sensors, nullptr}, canonical, false);
   } else {
-    const std::filesystem::path file = directory / node->text(kRobotBlock);
-    std::error_code error;
-    if (!std::filesystem::is_regular_file(file, error)) node->fail(file.generic_string() + " is not there, or not a file");
-    robot = readRobotFile(file, sensors, canonical);
+    robot = readRobotFile(robotFileOf(*node, directory), sensors, canonical);
   }
   canonical.close();
   return robot;

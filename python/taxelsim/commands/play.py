@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import sys
-import time
 from collections.abc import Sequence
 
 from .._core import Device
 from .running import run_command
-
-_POLL = 0.2  # s; the kernel may give SIGINT to a thread of the driver, which does not wake the main thread
+from .serving import serve
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -35,11 +32,4 @@ def _run(options: argparse.Namespace) -> None:
         from ..play import Playground
     except ModuleNotFoundError as error:
         raise ImportError(f"{error}: the playground needs viser: pip install 'taxelsim[play]'") from error
-    playground = Playground(options.sensor, options.objects, device=Device.open(options.device), port=options.port)
-    try:
-        print(f"open {playground.url} ; Ctrl-C ends", flush=True)
-        while True:
-            time.sleep(_POLL)
-    finally:
-        print("ends", file=sys.stderr)
-        playground.close()
+    serve(Playground(options.sensor, options.objects, device=Device.open(options.device), port=options.port))

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .._core import Box, Cylinder, Pose, Sphere, axis_angle, load_mesh
+from .._log import logger
 from ..errors import InputError, IoError
 from .placement import UP, CoverOptions, GridOptions, Placed, cover_shape, grid_on_shape, turned
 from .surface import Shape
@@ -49,15 +50,39 @@ def cover_link(
     return Placed(placed.sensor, X_BO * placed.X_BS)
 
 
-def _shape_of(urdf: Path, link: str, collision: int | None) -> tuple[Shape, Pose]:
-    """Shape of a link in O, and its pose X_BO in the link."""
+def link_shapes(urdf: Path) -> dict[str, list[tuple[Shape, Pose]]]:
+    """Shapes of each link in O, and their poses X_LO in the link: visual ones; those for collisions where a visual one cannot be read.
+
+    A link whose shapes cannot be read has none. Raises InputError for a file that is no URDF, and IoError for one that cannot be read.
+    """
+    shapes: dict[str, list[tuple[Shape, Pose]]] = {}
+    for name, link in _links(urdf).items():
+        shapes[name] = []
+        for tag in ("visual", "collision"):
+            try:
+                found = [_placed_shape(urdf, name, element) for element in link.findall(tag)]
+            except (InputError, IoError) as error:
+                logger.info("%s", error)
+                continue
+            if found:
+                shapes[name] = found
+                break
+    return shapes
+
+
+def _links(urdf: Path) -> dict[str, ElementTree.Element]:
     try:
         root = ElementTree.fromstring(urdf.read_bytes())
     except OSError as error:
         raise IoError(f"{urdf}: {error.strerror}") from error
     except ElementTree.ParseError as error:
         raise InputError(f"{urdf}: {error}") from error
-    links = {element.get("name", ""): element for element in root.findall("link")}
+    return {element.get("name", ""): element for element in root.findall("link")}
+
+
+def _shape_of(urdf: Path, link: str, collision: int | None) -> tuple[Shape, Pose]:
+    """Shape of a link in O, and its pose X_BO in the link."""
+    links = _links(urdf)
     if link not in links:
         raise InputError(f"{urdf}: link {link!r} is not there; it has {', '.join(map(repr, links)) or 'none'}")
     found = links[link].findall("collision")
@@ -65,7 +90,11 @@ def _shape_of(urdf: Path, link: str, collision: int | None) -> tuple[Shape, Pose
         raise InputError(f"{urdf}: link {link!r} has {len(found)} <collision>, 1 allowed without the argument collision")
     if collision is not None and not 0 <= collision < len(found):
         raise InputError(f"collision: {collision} is not allowed: link {link!r} has {len(found)}, counted from 0")
-    element = found[collision or 0]
+    return _placed_shape(urdf, link, found[collision or 0])
+
+
+def _placed_shape(urdf: Path, link: str, element: ElementTree.Element) -> tuple[Shape, Pose]:
+    """Shape of a <visual> or <collision>, and its pose in the link."""
     geometry = element.find("geometry")
     kinds = list(geometry) if geometry is not None else []
     if len(kinds) != 1:

@@ -1,9 +1,10 @@
-"""The side panel of the playground: the figure of a frame, curves over time, and a table of predicted and true features."""
+"""The side panel of the playground: a figure of each sensor, curves over time, and a table of predicted and true features."""
 
 from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Sequence
 
 import numpy as np
 import viser
@@ -21,6 +22,7 @@ _JPEG_QUALITY = 90
 _LEAST_FORCE = 1e-3  # N, of the brightest colour
 _NUM_POINTS = 200  # of a curve
 _BLUE, _ORANGE = "#0072b2", "#d55e00"
+_COLOURS = (_BLUE, "#e69f00", "#009e73", "#cc79a7", "#56b4e9", _ORANGE, "#f0e442", "#000000")  # Okabe and Ito, Color universal design, 2008
 
 
 class Scale:
@@ -42,50 +44,69 @@ def shown(view: View, unit: str) -> NDArray[np.float64]:
 
 
 class Panels:
-    """Figure, table and curves in the side panel of a server."""
+    """Figures, table and curves in the side panel of a server."""
 
-    def __init__(self, gui: viser.GuiApi, title: str) -> None:
+    def __init__(self, gui: viser.GuiApi, title: str, names: Sequence[str]) -> None:
+        """names: of the sensors of a robot; one empty name for a sensor alone, whose curves show the edge angle and predictions as well."""
         self._title = title
-        self._figure = gui.add_image(np.full((8, 8, 3), 255, np.uint8), format="jpeg", jpeg_quality=_JPEG_QUALITY)
+        self._figures = [
+            gui.add_image(np.full((8, 8, 3), 255, np.uint8), label=name or None, format="jpeg", jpeg_quality=_JPEG_QUALITY)
+            for name in names
+        ]
         self._table = gui.add_html("")
         self._points: deque[tuple[float, ...]] = deque(maxlen=_NUM_POINTS)
         self._time = self._angle = 0.0
+        self._is_alone = not names[0]
+        labels = ("total_force, N", "edge_angle, deg") if self._is_alone else ("total_force, N",)
         self._curves = [
             gui.add_uplot(
-                (np.zeros(2),) * 3,
-                (uplot.Series(label="s"), uplot.Series(label="predicted", stroke=_ORANGE), uplot.Series(label=label, stroke=_BLUE)),
-                scales={"x": uplot.Scale(time=False)},
-                height=150,
+                *_empty_plot(label, names), title=None if self._is_alone else label, scales={"x": uplot.Scale(time=False)}, height=150
             )
-            for label in ("total_force, N", "edge_angle, deg")
+            for label in labels
         ]
 
-    def show(self, view: View, unit: str, range: float, prediction: Linearization | None) -> None:
-        """Draws a frame."""
-        f = view.features
-        line = f"{f['total_force']:.4g} N   angle {math.degrees(f['edge_angle']):.1f}°   area {1e6 * f['contact_area']:.3g} mm²"
-        images = [("", shown(view, unit))]
-        expected = None
-        if prediction is not None:
-            expected = prediction.features_at(view.pose)
-            images = [("true normal forces", view.newtons), ("predicted by the Jacobian", prediction.newtons_at(view.pose))]
-            unit = NEWTONS
-        if unit == NEWTONS:  # whole millinewtons, which fit into the cells
-            images, range = [(title, np.rint(1e3 * values)) for title, values in images], 1e3 * range
-        self._figure.image = sensor_figure(view.sensor, images, self._title, line, "mN" if unit == NEWTONS else COUNTS, range)
-        self._table.content = "" if expected is None else _table(view.truth, expected)
-        self._draw_curves(view, expected)
+    def show(self, views: Sequence[View], unit: str, range: float, prediction: Linearization | None) -> None:
+        """Draws a frame of each sensor."""
+        expected = None if prediction is None else prediction.features_at(views[0].pose)
+        for figure, view in zip(self._figures, views, strict=True):
+            figure.image = _figure_of(view, self._title, unit, range, prediction)
+        self._table.content = "" if expected is None else _table(views[0].truth, expected)
+        self._draw_curves(views, expected)
 
-    def _draw_curves(self, view: View, expected: Features | None) -> None:
-        self._time += step_time(view.sensor)
-        # Without a prediction its line lies under that of the truth: uPlot draws no axis for values that are not numbers.
-        both = (expected or view.truth, view.truth)
-        angles = [_continued(f.edge_angle, self._angle) for f in both]
-        self._angle = angles[1]
-        self._points.append((self._time, *(f.total_force for f in both), *map(math.degrees, angles)))
+    def _draw_curves(self, views: Sequence[View], expected: Features | None) -> None:
+        self._time += step_time(views[0].sensor)
+        forces = [view.truth.total_force for view in views]
+        if self._is_alone:
+            # Without a prediction its line lies under that of the truth: uPlot draws no axis for values that are not numbers.
+            both = (expected or views[0].truth, views[0].truth)
+            angles = [_continued(f.edge_angle, self._angle) for f in both]
+            self._angle = angles[1]
+            forces = [*(f.total_force for f in both), *map(math.degrees, angles)]
+        self._points.append((self._time, *forces))
         time, *curves = np.array(self._points).T
-        for plot, values in zip(self._curves, (curves[:2], curves[2:]), strict=True):
-            plot.data = (time, *values)
+        width = len(curves) // len(self._curves)
+        for k, plot in enumerate(self._curves):
+            plot.data = (time, *curves[k * width : (k + 1) * width])
+
+
+def _empty_plot(label: str, names: Sequence[str]) -> tuple[tuple[NDArray[np.float64], ...], tuple[uplot.Series, ...]]:
+    """Data and series: the prediction and `label` for a sensor alone, else each sensor."""
+    lines = [(name, _COLOURS[k % len(_COLOURS)]) for k, name in enumerate(names)]
+    lines = lines if names[0] else [("predicted", _ORANGE), (label, _BLUE)]
+    series = (uplot.Series(label="s"), *(uplot.Series(label=name, stroke=colour) for name, colour in lines))
+    return (np.zeros(2),) * len(series), series
+
+
+def _figure_of(view: View, title: str, unit: str, range: float, prediction: Linearization | None) -> NDArray[np.uint8]:
+    f = view.features
+    line = f"{f['total_force']:.4g} N   angle {math.degrees(f['edge_angle']):.1f}°   area {1e6 * f['contact_area']:.3g} mm²"
+    images = [("", shown(view, unit))]
+    if prediction is not None:
+        images = [("true normal forces", view.newtons), ("predicted by the Jacobian", prediction.newtons_at(view.pose))]
+        unit = NEWTONS
+    if unit == NEWTONS:  # whole millinewtons, which fit into the cells
+        images, range = [(name, np.rint(1e3 * values)) for name, values in images], 1e3 * range
+    return sensor_figure(view.sensor, images, view.name or title, line, "mN" if unit == NEWTONS else COUNTS, range)
 
 
 def _continued(angle: float, last: float) -> float:

@@ -14,17 +14,19 @@ from typing import Any
 import numpy as np
 
 from .._arguments import LENGTH_UNITS
-from .._core import Device, Object, Sensor, load_sensor, max_depth_error_of, parse_object
-from ..errors import Error
+from .._core import Device, Object, Robot, Scene, Sensor, is_scene_file, load_scene, load_sensor, max_depth_error_of, parse_object
+from ..errors import Error, InputError
 from ..program import SCENES
 from . import fields
 from .changes import law_name
+from .joints import add_joint_sliders
 from .panels import COUNTS, NEWTONS, Panels, Scale, shown
 from .prediction import Linearization
-from .scene_3d import UNITS, Scene3D
+from .scene_3d import Scene3D
 from .server import LOOPBACK, start_server
-from .state import Item, Press, Settings, View, settings_at
-from .texts import program_text, scene_text
+from .skins import UNITS
+from .state import Item, Press, Settings, View, settings_at, with_object_at
+from .texts import program_text, robot_program_text, scene_text
 from .uploads import MAX_BYTES, SUFFIXES, Upload
 
 DEFAULT_SENSOR, DEFAULT_OBJECT = "wts0614", "cylinder:0.008,0.04"
@@ -39,34 +41,46 @@ def sensor_of(name: str | Path | Sensor) -> Sensor:
     return load_sensor(shipped if shipped.is_file() and "/" not in str(name) else name)
 
 
+def scene_of(name: str | Path | Sensor) -> Scene | None:
+    """A scene of kind grasp, from its file; None for a sensor. Raises InputError for a scene of another kind."""
+    if isinstance(name, Sensor) or not (Path(name).is_file() and is_scene_file(name)):
+        return None
+    scene = load_scene(name)
+    if scene.kind is not Scene.Kind.GRASP:
+        raise InputError(f"{name}: kind: {scene.kind.name.lower()} is not allowed: a sensor file, or a scene of kind grasp")
+    return scene
+
+
 class Playground:
-    """Serves a page on the loopback interface in which an object is pressed into a sensor. All browsers share one state.
+    """Serves a page on the loopback interface in which objects are pressed into sensors. All browsers share one state.
 
     >>> taxelsim.play.Playground("wts0614", ["sphere:0.01"])  # the last line of a notebook cell shows the page
 
-    sensor: a Sensor, a sensor file, or the name of one that ships with the package.
-    objects: texts of parse_object(); the page offers all of them.
+    sensor: a Sensor, a sensor file, the name of one that ships with the package, or a scene of kind grasp. The page of a scene has sliders
+        of the joints of its robot, and all of its objects.
+    objects: texts of parse_object(); the page offers all of them. Not allowed with a scene.
     device: default Device.open().
     port: of 127.0.0.1; 0: a free one.
 
-    Raises InputError for a sensor or an object that is not valid, ImportError without viser.
+    Raises InputError for a sensor, a scene or an object that is not valid, ImportError without viser.
     """
 
     def __init__(
         self,
         sensor: str | Path | Sensor = DEFAULT_SENSOR,
-        objects: Sequence[str] = (DEFAULT_OBJECT,),
+        objects: Sequence[str] = (),
         *,
         device: Device | None = None,
         port: int = 0,
     ) -> None:
-        base = sensor_of(sensor)
-        self._max_depth_error = max_depth_error_of(base.skin)
-        specs = list(objects) or [DEFAULT_OBJECT]
-        items = [Item(parse_object(spec, max_depth_error=self._max_depth_error), spec) for spec in specs]
-        self._press = Press(device or Device.open(), base, items)
-        half = math.sqrt(0.5)
-        self._settings = Settings(rotation=(half, half, 0.0, 0.0), depth=0.05 * base.skin.thickness)
+        scene = scene_of(sensor)
+        if scene is None:
+            self._press, self._settings = _press_of(device or Device.open(), sensor_of(sensor), objects)
+        else:
+            self._press, self._settings = robot_press_of(device or Device.open(), scene, objects)
+        self._base = next(iter(self._press.sensors.values()))
+        self._title = self._base.name if scene is None else scene.name
+        self._scene_file = "" if scene is None else str(scene.file)
         self._condition = threading.Condition()
         self._tasks: list[Callable[[], None]] = []
         self._pending: Settings | None = self._settings
@@ -74,8 +88,8 @@ class Playground:
         self._unit = COUNTS
         self._scale = Scale()
         self._prediction: Linearization | None = None
-        self.view: View | None = None
-        """The newest frame."""
+        self.views: tuple[View, ...] = ()
+        """The newest frame of each sensor."""
         self.num_views = 0
         """Frames so far."""
         self._server, guard = start_server(port, "taxelsim play", MAX_BYTES, self._say)
@@ -84,6 +98,11 @@ class Playground:
         self._build()
         self._worker = threading.Thread(target=self._work, daemon=True)
         self._worker.start()
+
+    @property
+    def view(self) -> View | None:
+        """The newest frame of the first sensor."""
+        return self.views[0] if self.views else None
 
     def close(self) -> None:
         """Stops the server and the computation."""
@@ -127,8 +146,8 @@ class Playground:
                     task()
                 if settings is not None:
                     self._compute(settings)
-                elif self.view is not None:
-                    self._show(self.view)
+                elif self.views:
+                    self._show(self.views)
             except (Error, ArithmeticError, ValueError) as error:
                 self._say(str(error))
 
@@ -137,52 +156,66 @@ class Playground:
             self._say("building the model ...")
             self._scale, self._prediction, self._predicts.value = Scale(), None, False
         begun = time.perf_counter()
-        view = self._press.view(settings)
-        self._show(view)
-        self.view, self.num_views = view, self.num_views + 1
-        reached = "" if view.load_reached else "; the load is out of reach"
+        views = self._press.views(settings)
+        self._show(views)
+        self.views, self.num_views = views, self.num_views + 1
+        reached = "" if views[0].load_reached else "; the load is out of reach"
         self._say(f"{1e3 * (time.perf_counter() - begun):.0f} ms{reached}")
 
-    def _show(self, view: View) -> None:
+    def _show(self, views: tuple[View, ...]) -> None:
         unit = NEWTONS if self._prediction is not None else self._unit
-        values = shown(view, unit)
-        brightest = self._scale.range_of(unit, values, view.sensor.readout.noise)
+        values = np.concatenate([shown(view, unit) for view in views])
+        brightest = self._scale.range_of(unit, values, max(view.sensor.readout.noise for view in views))
+        newest = views[0].settings
         with self._server.atomic():
-            is_new = self.view is None or self.view.settings.depth != view.settings.depth
-            self._scene.show(view, values / brightest, moves=is_new or view.settings.load is not None)
-            self._panels.show(view, unit, brightest, self._prediction)
+            is_new = self.view is None or self.view.settings.depth != newest.depth
+            self._scene.show(views, values / brightest, moves=is_new or newest.load is not None)
+            self._panels.show(views, unit, brightest, self._prediction)
 
     def _build(self) -> None:
-        base, gui = self._press.base, self._server.gui
+        gui, robot = self._server.gui, self._press.robot
         self._status = gui.add_text("status", "starting ...", disabled=True)
-        self._panels = Panels(gui, base.name)
+        self._panels = Panels(gui, self._title, list(self._press.sensors))
+        if robot is None:
+            self._build_object()
+        else:
+            add_joint_sliders(gui, robot, self._settings.positions, lambda q: self.change(lambda s: replace(s, positions=q)))
+        follows = gui.add_checkbox("sliding adds up shear", self._settings.follows)
+        follows.on_update(lambda _: self.change(lambda s: replace(s, follows=bool(follows.value))))
+        self._build_sensor()
+        with gui.add_folder("view"):
+            unit = gui.add_dropdown("taxels show", (COUNTS, NEWTONS), initial_value=self._unit)
+            unit.on_update(lambda _: self._show_unit(unit.value))
+            self._predicts = gui.add_checkbox("predict by the Jacobian from here", False, visible=robot is None)
+            self._predicts.on_update(lambda event: self._predict(event.client is not None and bool(self._predicts.value)))
+        gui.add_button("copy as Python").on_click(lambda event: self._send(event, "play.py", self._program))
+        if robot is None:
+            gui.add_button("save as scene").on_click(lambda event: self._send(event, "play.yaml", lambda: scene_text(*self._seen)))
+        self._scene = Scene3D(self._server, self._press, self._settings, self._drag)
+        if robot is None:
+            self._scene.draw_object(self._shape)
+
+    def _build_object(self) -> None:
+        gui = self._server.gui
         with gui.add_folder("object"):
             self._object = gui.add_dropdown("object", self._object_names())
             self._object.on_update(lambda _: self._choose_object())
             upload = gui.add_upload_button("upload a mesh", mime_type=",".join(SUFFIXES))
             upload.on_upload(lambda event: self._receive(event.target.value, event.client))
-            thickness = base.skin.thickness
+            thickness = self._base.skin.thickness
             self._add_slider(fields.field("randomization", "depth_mm"), 1e3 * thickness, 1e3 * self._settings.depth, self._set_depth)
             self._add_slider(fields.field("randomization", "load"), 20.0, 0.0, self._set_load)
-            follows = gui.add_checkbox("sliding adds up shear", self._settings.follows)
-            follows.on_update(lambda _: self.change(lambda s: replace(s, follows=bool(follows.value))))
-        with gui.add_folder("sensor"):
+
+    def _build_sensor(self) -> None:
+        base = self._base
+        with self._server.gui.add_folder("sensor"):
             skin, readout = base.skin, base.readout
             self._add_choice(fields.field("skin", "law"), lambda law: law.replace("_", "") == law_name(skin))
             self._add_choice(fields.field("sensor", "depth_sampling"), lambda name: name == base.depth_sampling.name.lower())
             self._add_change(fields.field("skin", "friction_coefficient"), 2.0, skin.friction.friction_coefficient)
             self._add_change(fields.field("readout", "noise"), 0.05 * readout.saturation, readout.noise)
-            if base.psf.sigma == 0:
+            if all(sensor.psf.sigma == 0 for sensor in self._press.sensors.values()):
                 self._add_change(fields.field("psf", "gaussian", "sigma"), 2.0, 0.0)
-        with gui.add_folder("view"):
-            unit = gui.add_dropdown("taxels show", (COUNTS, NEWTONS), initial_value=self._unit)
-            unit.on_update(lambda _: self._show_unit(unit.value))
-            self._predicts = gui.add_checkbox("predict by the Jacobian from here", False)
-            self._predicts.on_update(lambda event: self._predict(event.client is not None and bool(self._predicts.value)))
-        gui.add_button("copy as Python").on_click(lambda event: self._send(event, "play.py", program_text))
-        gui.add_button("save as scene").on_click(lambda event: self._send(event, "play.yaml", scene_text))
-        self._scene = Scene3D(self._server, base, self._drag)
-        self._scene.draw_object(self._shape)
 
     @property
     def _shape(self) -> Any:
@@ -267,7 +300,7 @@ class Playground:
             question.close()
             try:
                 self._say(f"simplifying {upload.name} ...")
-                mesh = upload.mesh(unit.value, up_axis.value, self._max_depth_error)
+                mesh = upload.mesh(unit.value, up_axis.value, max_depth_error_of(self._base.skin))
             except Error as error:
                 self._say(str(error))
                 return
@@ -281,19 +314,46 @@ class Playground:
         self._object.options = self._object_names()
         self._object.value = self._object.options[index]  # calls _choose_object()
 
-    def _drag(self, target: Any) -> None:
+    def _drag(self, number: int, target: Any) -> None:
         position, rotation = np.array(target.position) / UNITS, np.array(target.wxyz)
-        self.change(lambda s: settings_at(s, self._press.items[s.object_index].object, position, rotation))
+        if self._press.robot is None:
+            self.change(lambda s: settings_at(s, self._press.items[s.object_index].object, position, rotation))
+        else:
+            self.change(lambda s: with_object_at(s, number, position, rotation))
 
-    def _send(self, event: Any, name: str, text_of: Callable[[View, Item], str]) -> None:
-        view = self.view
-        if view is None or event.client is None:
+    @property
+    def _seen(self) -> tuple[View, Item]:
+        """The newest frame of a sensor alone, and the object in it."""
+        return self.views[0], self._press.items[self.views[0].settings.object_index]
+
+    def _program(self) -> str:
+        return program_text(*self._seen) if self._press.robot is None else robot_program_text(self.views, self._press, self._scene_file)
+
+    def _send(self, event: Any, name: str, text_of: Callable[[], str]) -> None:
+        if not self.views or event.client is None:
             return
         try:
-            text = text_of(view, self._press.items[view.settings.object_index])
+            text = text_of()
             event.client.send_file_download(name, text.encode(), save_immediately=True)
         except Error as error:
             self._say(str(error))
+
+
+def _press_of(device: Device, base: Sensor, objects: Sequence[str]) -> tuple[Press, Settings]:
+    max_depth_error = max_depth_error_of(base.skin)
+    items = [Item(parse_object(spec, max_depth_error=max_depth_error), spec) for spec in list(objects) or [DEFAULT_OBJECT]]
+    half = math.sqrt(0.5)
+    return Press(device, {"": base}, items), Settings(rotation=(half, half, 0.0, 0.0), depth=0.05 * base.skin.thickness)
+
+
+def robot_press_of(device: Device, scene: Scene, objects: Sequence[str]) -> tuple[Press, Settings]:
+    """Sensors and objects of a scene of kind grasp, at its start. Raises InputError for other objects."""
+    if objects:
+        raise InputError(f"objects: {', '.join(objects)} is not allowed: a scene has its own objects")
+    robot = Robot(scene.file)
+    items = [Item(item, item.name) for item in scene.objects]
+    settings = Settings(positions=tuple(joint[-1] for joint in robot.joints), objects=tuple(scene.object_poses))
+    return Press(device, dict(scene.sensors), items, robot), settings
 
 
 __all__ = ["Playground"]

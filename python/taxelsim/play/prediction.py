@@ -44,10 +44,11 @@ class Linearization:
         )
 
 
-def features_of(frame: Frame) -> Features:
-    """Features of the first instance of a frame."""
+def features_of(frame: Frame, instance: int = 0) -> Features:
+    """Features of an instance of a frame."""
     truth = frame.ground_truth
-    return Features(float(truth.total_force[0]), np.array(truth.center_of_pressure[0], np.float64), float(truth.edge_angle[0]))
+    centre = np.array(truth.center_of_pressure[instance], np.float64)
+    return Features(float(truth.total_force[instance]), centre, float(truth.edge_angle[instance]))
 
 
 def linearization_of(frame: Frame, pose: NDArray[np.float64]) -> Linearization:

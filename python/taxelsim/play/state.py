@@ -1,7 +1,11 @@
-"""One press of an object into a sensor: settings in, a frame out. Knows no browser."""
+"""Objects that press into sensors: settings in, frames out. Knows no browser.
+
+A sensor alone is pressed by one object of a list. Sensors of a robot touch all objects at once, where joints place them.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -9,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._arrays import rotation_matrices
-from .._core import Device, Model, Object, Sensor, lowest_point
+from .._core import Device, Model, Object, Pose, Robot, Sensor, lowest_point
 from .._differentiation import outputs_for
 from ..errors import InputError
 from ..frame import Frame
@@ -44,6 +48,8 @@ class Settings:
     depth: float = 0.0  #: m, of the lowest point below the skin; not used with a load.
     load: float | None = None  #: N.
     changes: Changes = field(default_factory=Changes)
+    positions: tuple[float, ...] = ()  #: Joint positions of a robot, rad or m.
+    objects: tuple[Pose, ...] = ()  #: X_WO of all objects around a robot, which count instead of the pressed object.
     follows: bool = True  #: Whether a frame goes on from the one before, so that sliding adds up shear; else each is a fresh press.
 
     @property
@@ -56,9 +62,11 @@ class Settings:
 class View:
     """A frame of one sensor, copied from its simulator."""
 
+    name: str  #: Name of the sensor of a robot; empty for a sensor alone.
+
     path: tuple[Settings, ...]  #: Steps since the skin was fresh; the last one is that of the frame.
     sensor: Sensor
-    pose: NDArray[np.float64]  #: (7), position (m) and quaternion of the object's frame in S.
+    pose: NDArray[np.float64]  #: (7), position (m) and quaternion of the object's frame in S; the first object's for a robot.
     counts: NDArray[np.int32]  #: (num_taxels).
     newtons: NDArray[np.float64]  #: (num_taxels), true normal forces.
     shear: NDArray[np.float64]  #: (num_taxels, 2), N, true.
@@ -82,14 +90,25 @@ def unit_quaternion(values: Any) -> tuple[float, float, float, float]:
     return (w, x, y, z)
 
 
+def finite_position(values: Any) -> list[float]:
+    """Three finite numbers. Raises InputError."""
+    p = np.asarray(values, np.float64)
+    if p.shape != (3,) or not np.isfinite(p).all():
+        raise InputError(f"position: {values!r:.60} is not allowed: three finite numbers")
+    return [float(value) for value in p]
+
+
 def settings_at(settings: Settings, item: Object, position: Any, rotation: Any) -> Settings:
     """Settings with the object's frame at a pose in S. Raises InputError for numbers that are not finite."""
     R = unit_quaternion(rotation)
-    p = np.asarray(position, np.float64)
-    if p.shape != (3,) or not np.isfinite(p).all():
-        raise InputError(f"position: {position!r:.60} is not allowed: three finite numbers")
-    lowest = p + rotation_matrices(np.array([R]))[0] @ np.array(lowest_point(item, R))
+    lowest = np.array(finite_position(position)) + rotation_matrices(np.array([R]))[0] @ np.array(lowest_point(item, R))
     return replace(settings, x=float(lowest[0]), y=float(lowest[1]), depth=float(-lowest[2]), rotation=R)
+
+
+def with_object_at(settings: Settings, number: int, position: Any, rotation: Any) -> Settings:
+    """Settings with one of the objects around a robot at another pose X_WO. Raises InputError for numbers that are not finite."""
+    pose = Pose(finite_position(position), unit_quaternion(rotation))
+    return replace(settings, objects=(*settings.objects[:number], pose, *settings.objects[number + 1 :]))
 
 
 def step_time(sensor: Sensor) -> float:
@@ -97,80 +116,129 @@ def step_time(sensor: Sensor) -> float:
     return 1 / sensor.frame_rate if sensor.frame_rate > 0 else DEFAULT_STEP
 
 
-class Press:
-    """Computes frames. Builds a Model when the sensor changes, which takes seconds; for one thread at a time."""
+@dataclass(frozen=True)
+class Group:
+    """Sensors with equal settings: one simulator with an instance for each."""
 
-    def __init__(self, device: Device, sensor: Sensor, items: list[Item]) -> None:
+    names: list[str]
+    simulator: Simulator
+
+
+class Press:
+    """Computes frames. Builds models when the sensors change, which takes seconds; for one thread at a time."""
+
+    def __init__(self, device: Device, sensors: Mapping[str, Sensor], items: list[Item], robot: Robot | None = None) -> None:
+        """sensors: by name, of the robot; without a robot one sensor."""
         self._device = device
-        self.base = sensor
+        self.sensors = dict(sensors)
         self.items = items
+        self.robot = robot
         self._changes: Changes | None = None
-        self._view: View | None = None
+        self._views: tuple[View, ...] = ()
+        self.groups: list[Group] = []
+        """Simulators of the newest views."""
 
     def add(self, item: Item) -> int:
-        """Adds an object and returns its index. The next view() builds a Model."""
+        """Adds an object and returns its index. The next views() builds models."""
         self.items = [*self.items, item]
         self._changes = None
         return len(self.items) - 1
 
     def needs_model(self, settings: Settings) -> bool:
-        """Whether the next view() builds a Model."""
+        """Whether the next views() builds models."""
         return settings.changes != self._changes
 
-    def view(self, settings: Settings) -> View:
-        """The frame of the next step. Raises InputError, and then nothing has changed."""
+    def views(self, settings: Settings) -> tuple[View, ...]:
+        """The frame of each sensor after the next step. Raises InputError, and then nothing has changed."""
         if not np.isfinite([*settings.row, settings.load or 0.0]).all():
             raise InputError(f"position, depth or load: {settings.row[:3]} is not allowed: finite numbers")
         if self.needs_model(settings):
-            model = Model(self._device, changed_sensor(self.base, settings.changes), [item.object for item in self.items])
-            self._simulator, self._changes, self._view = Simulator(model), settings.changes, None
+            self.groups, self._changes, self._views = self._built(settings.changes), settings.changes, ()
         path: tuple[Settings, ...] = (settings,)
-        if self._view is not None and self._goes_on(self._view, settings):
-            path = (*self._view.path, settings)
+        if self._views and self._goes_on(self._views, settings):
+            path = (*self._views[0].path, settings)
         else:
-            self._simulator.reset(episodes=0)
-        self._view = None  # until the step has been done
-        frame = self._step(self._simulator, settings)
-        self._view = self._view_of(frame, path)
-        return self._view
+            for group in self.groups:
+                group.simulator.reset()
+        self._views = ()  # until the step has been done
+        found = {}
+        for group in self.groups:
+            frame = self._step(group, settings)
+            found.update({name: self._view_of(frame, row, group, path) for row, name in enumerate(group.names)})
+        self._views = tuple(found[name] for name in self.sensors)
+        return self._views
 
     def linearize(self) -> Linearization:
-        """Repeats the path of the newest view and gives the derivatives at its end. Raises InputError for a sensor that has none."""
-        view = self._view
-        if view is None:
-            raise InputError("linearize: there is no frame yet")
-        simulator = Simulator(self._simulator.model, outputs=outputs_for())
+        """Repeats the path of the newest view of a sensor alone and gives the derivatives at its end.
+
+        Raises InputError for a sensor that has none, for a robot, and before the first view.
+        """
+        if len(self._views) != 1:
+            raise InputError("linearize: there is no frame yet" if not self._views else "linearize: a robot is not allowed: a sensor alone")
+        view, group = self._views[0], self.groups[0]
+        group = replace(group, simulator=Simulator(group.simulator.model, outputs=outputs_for()))
         for settings in view.path:
-            frame = self._step(simulator, settings)
+            frame = self._step(group, settings)
         return linearization_of(frame, view.pose)
 
+    def _built(self, changes: Changes) -> list[Group]:
+        names: list[tuple[Sensor, list[str]]] = []
+        for name, base in self.sensors.items():
+            sensor = changed_sensor(base, changes)
+            equal = next((group for other, group in names if other == sensor), None)
+            if equal is None:
+                names.append((sensor, [name]))
+            else:
+                equal.append(name)
+        objects = [item.object for item in self.items]
+        num_slots = 1 if self.robot is None else len(objects)
+        return [Group(group, Simulator(Model(self._device, s, objects), len(group), num_slots=num_slots)) for s, group in names]
+
     @staticmethod
-    def _goes_on(last: View, settings: Settings) -> bool:
-        touches = last.truth.total_force > 0
-        return settings.follows and touches and last.settings.object_index == settings.object_index and len(last.path) < MAX_STEPS
+    def _goes_on(last: tuple[View, ...], settings: Settings) -> bool:
+        touches = any(view.truth.total_force > 0 for view in last)
+        before = last[0].path
+        return settings.follows and touches and before[-1].object_index == settings.object_index and len(before) < MAX_STEPS
 
     def _anchor(self, settings: Settings) -> NDArray[np.float64]:
         return np.array(lowest_point(self.items[settings.object_index].object, settings.rotation))
 
-    def _step(self, simulator: Simulator, settings: Settings) -> Frame:
+    def _step(self, group: Group, settings: Settings) -> Frame:
+        simulator = group.simulator
         simulator.set_loads(settings.load)
-        simulator.set_objects(settings.object_index, np.array([settings.row]), anchor=self._anchor(settings))
+        if self.robot is None:
+            simulator.set_objects(settings.object_index, np.array([settings.row]), anchor=self._anchor(settings))
+        else:
+            poses = poses_in_sensors(self.robot, group.names, settings)
+            simulator.set_objects(np.tile(np.arange(len(settings.objects)), (len(group.names), 1)), poses)
         simulator.step(step_time(simulator.model.sensor))
         return simulator.read()
 
-    def _view_of(self, frame: Frame, path: tuple[Settings, ...]) -> View:
+    def _view_of(self, frame: Frame, row: int, group: Group, path: tuple[Settings, ...]) -> View:
         settings, truth = path[-1], frame.ground_truth
-        position = np.array(settings.row[:3]) - rotation_matrices(np.array([settings.rotation]))[0] @ self._anchor(settings)
-        position[2] += truth.load_offset[0]
+        if self.robot is None:
+            position = np.array(settings.row[:3]) - rotation_matrices(np.array([settings.rotation]))[0] @ self._anchor(settings)
+            position[2] += truth.load_offset[0]
+            pose = np.concatenate([position, settings.rotation])
+        else:
+            pose = poses_in_sensors(self.robot, group.names[row : row + 1], settings)[0, 0]
         names = ("total_force", "edge_angle", "contact_area")
         return View(
+            group.names[row],
             path,
-            self._simulator.model.sensor,
-            np.concatenate([position, settings.rotation]),
-            np.array(frame.tactile_image[0]).reshape(-1),
-            np.array(truth.tactile_normal_force[0], np.float64).reshape(-1),
-            np.array(truth.tactile_shear_force[0], np.float64).reshape(-1, 2),
-            {name: float(getattr(frame, name)[0]) for name in names},
-            features_of(frame),
-            bool(truth.load_reached[0]),
+            group.simulator.model.sensor,
+            pose,
+            np.array(frame.tactile_image[row]).reshape(-1),
+            np.array(truth.tactile_normal_force[row], np.float64).reshape(-1),
+            np.array(truth.tactile_shear_force[row], np.float64).reshape(-1, 2),
+            {name: float(getattr(frame, name)[row]) for name in names},
+            features_of(frame, row),
+            bool(truth.load_reached[row]),
         )
+
+
+def poses_in_sensors(robot: Robot, names: Sequence[str], settings: Settings) -> NDArray[np.float64]:
+    """X_SO (len(names), num_objects, 7) of all objects for sensors of a robot."""
+    poses = dict(zip((name for name, _ in robot.sensors), robot.sensor_poses(settings.positions), strict=True))
+    in_sensors = [[poses[name].inverse() * X_WO for X_WO in settings.objects] for name in names]
+    return np.array([[[*X.position, *X.rotation] for X in row] for row in in_sensors])

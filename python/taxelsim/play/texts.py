@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from .._core import Box, Capsule, Cone, Cylinder, HalfSpace, Sphere, Torus, lowest_point, sensor_text
 from ..errors import InputError
-from .state import Item, Settings, View, step_time
+from .state import DEFAULT_STEP, Item, Press, Settings, View, step_time
 
 _FIELDS: dict[type, tuple[str, ...]] = {
     Sphere: ("radius",),
@@ -57,6 +58,57 @@ for pose, anchor, load in STEPS:
     frame = simulator.read()
 print(frame.tactile_image[0])
 '''
+
+
+def robot_program_text(views: Sequence[View], press: Press, scene_file: str) -> str:
+    """A program that computes the tactile images of all sensors of a robot, step by step along their path. It reads the scene file."""
+
+    def step_of(s: Settings) -> str:
+        objects = ", ".join(f"([{_numbers(X.position)}], [{_numbers(X.rotation)}])" for X in s.objects)
+        return f"    ([{_numbers(s.positions)}], [{objects}]),"
+
+    by_name = {view.name: view for view in views}
+    steps = "\n".join(map(step_of, views[0].path))
+    groups = "\n".join(f'    ({group.names!r}, """\\\n{sensor_text(by_name[group.names[0]].sensor)}"""),' for group in press.groups)
+    return f"""import tempfile
+from pathlib import Path
+
+import numpy as np
+import taxelsim
+
+SCENE = {scene_file!r}
+SENSORS = [  # names of sensors with equal settings; their sensor file
+{groups}
+]
+STEPS = [  # joint positions, rad or m; X_WO of each object: m, quaternion w, x, y, z
+{steps}
+]
+
+
+def poses_in(X_WS, objects):
+    return [[*X.position, *X.rotation] for X in (X_WS.inverse() * taxelsim.Pose(*pose) for pose in objects)]
+
+
+scene, robot, device = taxelsim.load_scene(SCENE), taxelsim.Robot(SCENE), taxelsim.Device.open()
+images = {{}}
+for names, text in SENSORS:
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder, "sensor.yaml")
+        file.write_text(text)
+        sensor = taxelsim.load_sensor(file)
+    model = taxelsim.Model(device, sensor, scene.objects)
+    simulator = taxelsim.Simulator(model, len(names), num_slots=len(scene.objects))
+    simulator.reset()  # each sensor has noise of its own
+    for positions, objects in STEPS:
+        X_WS = dict(zip((name for name, _ in robot.sensors), robot.sensor_poses(positions)))
+        poses = np.array([poses_in(X_WS[name], objects) for name in names])
+        simulator.set_objects(np.tile(np.arange(len(objects)), (len(names), 1)), poses)
+        simulator.step(1 / sensor.frame_rate if sensor.frame_rate > 0 else {DEFAULT_STEP!r})
+        frame = simulator.read()
+    images.update(zip(names, frame.tactile_image.copy()))
+for name, image in images.items():
+    print(name, image, sep="\\n")
+"""
 
 
 def _shape_text(item: Item) -> str:

@@ -25,6 +25,7 @@ IN_THE_FOLDER = {
     "import": (["--sensor", "a.yaml", "--measurement", "stamp", "-o", "b.yaml"], 2),
     "finish": (["--card"], 2),
     "render": (["--episode", "0", "-o", "a.mp4"], 2),
+    "robot": (["--view"], 2),
     "evaluate": (["--policy", "a.onnx"], 2),
 }
 

@@ -72,8 +72,8 @@ def test_requests(playground, request_, status):
 def test_a_drag_moves_the_object_and_stale_poses_are_dropped(playground):
     wait_until(lambda: playground.view is not None)
     for k in range(50):
-        playground._scene._handles.position = (0.1, 0.02 * k, 0.79)
-        playground._drag(playground._scene._handles)
+        playground._scene._handles[0].position = (0.1, 0.02 * k, 0.79)
+        playground._drag(0, playground._scene._handles[0])
     wait_until(lambda: abs(playground.view.pose[1] - 0.0098) < 1e-12)
     assert playground.view.counts.any()
     assert "iframe" in playground._repr_html_()
@@ -86,9 +86,9 @@ def test_random_inputs_leave_it_alive_and_finite(playground):
     for _ in range(1000):
         kind = random.integers(4)
         if kind == 0:
-            playground._scene._handles.position = tuple(random.choice(values, 3))
-            playground._scene._handles.wxyz = tuple(random.choice(values, 4))
-            playground._drag(playground._scene._handles)
+            playground._scene._handles[0].position = tuple(random.choice(values, 3))
+            playground._scene._handles[0].wxyz = tuple(random.choice(values, 4))
+            playground._drag(0, playground._scene._handles[0])
         elif kind == 1:
             playground._set_depth(float(random.choice(values)))
         elif kind == 2:

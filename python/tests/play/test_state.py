@@ -26,7 +26,7 @@ CASES = [
 @pytest.fixture(scope="module")
 def press(device):
     sensor = taxelsim.load_sensor(taxelsim.SCENES / "sensors/wts0614.yaml")
-    return Press(device, sensor, [Item(taxelsim.parse_object(SPEC), SPEC)])
+    return Press(device, {"": sensor}, [Item(taxelsim.parse_object(SPEC), SPEC)])
 
 
 def image_of_program(text, folder):
@@ -42,7 +42,7 @@ def fresh(settings):
 
 @pytest.mark.parametrize("settings", CASES, ids=["depth", "load"])
 def test_texts_reproduce_the_image(press, device, settings, tmp_path):
-    view = press.view(fresh(settings))
+    (view,) = press.views(fresh(settings))
     assert view.counts.any()
     np.testing.assert_array_equal(image_of_program(program_text(view, press.items[0]), tmp_path), view.counts)
     (tmp_path / "scene.yaml").write_text(scene_text(view, press.items[0]))
@@ -52,22 +52,22 @@ def test_texts_reproduce_the_image(press, device, settings, tmp_path):
 
 def test_a_path_adds_up_shear_and_its_program_repeats_it(press, tmp_path):
     settings = Settings(rotation=ROTATION, depth=3e-5, changes=Changes(friction_coefficient=0.5))
-    press.view(fresh(settings))
+    press.views(fresh(settings))
     for k in range(1, 6):
-        view = press.view(replace(settings, x=1e-6 * k))
+        (view,) = press.views(replace(settings, x=1e-6 * k))
     assert len(view.path) == 6
     assert view.shear[:, 0].sum() > 0  # as it acts on the skin, along the motion of the object
     with pytest.raises(taxelsim.InputError, match="path"):
         scene_text(view, press.items[0])
     np.testing.assert_array_equal(image_of_program(program_text(view, press.items[0]), tmp_path), view.counts)
-    assert not press.view(fresh(replace(settings, x=5e-6))).shear.any()
+    assert not press.views(fresh(replace(settings, x=5e-6)))[0].shear.any()
 
 
 def test_a_path_ends_without_contact(press):
     touching = Settings(rotation=ROTATION, depth=3e-5)
-    press.view(fresh(touching))
-    assert len(press.view(replace(touching, depth=-1e-3)).path) == 2
-    assert len(press.view(touching).path) == 1
+    press.views(fresh(touching))
+    assert len(press.views(replace(touching, depth=-1e-3))[0].path) == 2
+    assert len(press.views(touching)[0].path) == 1
 
 
 # Share of the change that the prediction may miss. Pressing by a tenth of the depth changes the force of a taxel to second order by half a
@@ -79,9 +79,9 @@ PRESSING, SLIDING = 0.1, 0.6
 def test_the_jacobian_predicts_small_motions(press, moved, missed):
     """The baseline predicts that nothing changes."""
     settings = fresh(Settings(rotation=ROTATION, depth=3e-5))
-    press.view(settings)
+    press.views(settings)
     linear = press.linearize()
-    view = press.view(replace(settings, **moved))
+    (view,) = press.views(replace(settings, **moved))
     errors = [np.abs(forces - view.newtons).sum() for forces in (linear.newtons_at(view.pose), linear.newtons)]
     assert errors[0] < missed * errors[1]
     change = linear.features_at(view.pose).total_force - linear.features.total_force
@@ -91,7 +91,7 @@ def test_the_jacobian_predicts_small_motions(press, moved, missed):
 
 def test_a_dragged_pose_is_kept(press):
     moved = settings_at(Settings(), press.items[0].object, [0.001, 0.002, 0.0079], 3 * np.array(ROTATION))
-    view = press.view(moved)
+    (view,) = press.views(moved)
     np.testing.assert_allclose(view.pose, [0.001, 0.002, 0.0079, *ROTATION], atol=1e-15)
 
 
@@ -102,7 +102,7 @@ def test_random_settings_give_finite_frames_or_one_line(press):
         values = random.choice([0.0, 1e-5, 1e-3, 0.02, -0.01, 1e9, np.nan, np.inf], 5)
         try:
             settings = settings_at(Settings(), press.items[0].object, values[:3], random.normal(size=4) * values[3])
-            view = press.view(settings if values[4] < 0 else Settings(load=float(values[4]), rotation=settings.rotation))
+            (view,) = press.views(settings if values[4] < 0 else Settings(load=float(values[4]), rotation=settings.rotation))
         except taxelsim.InputError as error:
             refusals.append(str(error))
             continue
@@ -117,10 +117,10 @@ CHANGES = [Changes(law="proximity"), Changes(friction_coefficient=0.5), Changes(
 
 @pytest.mark.parametrize("changes", CHANGES)
 def test_a_changed_sensor_is_valid(press, changes):
-    taxelsim.check_sensor(changed_sensor(press.base, changes))
+    taxelsim.check_sensor(changed_sensor(press.sensors[""], changes))
 
 
 @pytest.mark.parametrize("changes", [Changes(law="none"), Changes(noise=-1.0), Changes(friction_coefficient=-0.5)])
 def test_a_wrong_change_is_refused_in_one_line(press, changes):
     with pytest.raises(taxelsim.InputError, match=r"^[^\n]+$"):
-        taxelsim.check_sensor(changed_sensor(press.base, changes))
+        taxelsim.check_sensor(changed_sensor(press.sensors[""], changes))
