@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import io
 import itertools
+import math
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
@@ -118,6 +119,23 @@ def _gif_of(pictures: Iterable[Picture], rate: float) -> bytes:
     durations = [(end - begin) * 1000 // _GIF_TICKS for begin, end in itertools.pairwise(ends)]  # ms
     frames[0].save(content, "GIF", save_all=True, append_images=frames[1:], duration=durations, loop=0)
     return content.getvalue()
+
+
+def grid_of(pictures: Sequence[Picture], max_width: int) -> Picture:
+    """Pictures of one size as the cells of a nearly square grid, by rows; cells without a picture are white.
+
+    max_width: pixels. Cells of a wider grid become smaller by a whole factor, each pixel the mean of a square.
+    """
+    height, width, _ = pictures[0].shape
+    num_columns = math.ceil(math.sqrt(len(pictures)))
+    num_rows = -(-len(pictures) // num_columns)
+    factor = -(-num_columns * width // max_width)
+    height, width = height // factor, width // factor
+    grid = np.full((num_rows, height, num_columns, width, 3), 255, np.uint8)
+    for k, picture in enumerate(pictures):
+        squares = picture[: height * factor, : width * factor].reshape(height, factor, width, factor, 3)
+        grid[k // num_columns, :, k % num_columns] = np.rint(squares.mean((1, 3)))
+    return grid.reshape(num_rows * height, num_columns * width, 3)
 
 
 def save_video(file: str | os.PathLike[str], pictures: Iterable[NDArray[Any]], rate: float) -> int:

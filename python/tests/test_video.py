@@ -12,7 +12,8 @@ from taxelsim._pictures import EpisodePictures
 
 import taxelsim
 from taxelsim.commands.render import main
-from taxelsim.video import mp4_encoder, save_video
+from taxelsim.pictures import range_of
+from taxelsim.video import grid_of, mp4_encoder, save_video
 
 from .envs.conftest import write_scene
 
@@ -130,9 +131,45 @@ def test_a_video_shows_the_object_where_its_pose_and_features_are_recorded(data,
     assert f"shows the tactile image alone: {plain.without_view}" in done.stderr
 
 
+def test_a_grid_has_pictures_by_rows_and_white_cells():
+    pictures = [np.full((4, 6, 3), 40 * k, np.uint8) for k in range(5)]
+    grid = grid_of(pictures, 18)
+    assert grid.shape == (8, 18, 3)
+    assert grid[::4, ::6, 0].tolist() == [[0, 40, 80], [120, 160, 255]]
+    pictures[0][0, 0] = 100  # the mean of four pixels
+    small = grid_of(pictures, 17)
+    assert small.shape == (4, 9, 3)
+    assert small[0, 0].tolist() == [25, 25, 25]
+    np.testing.assert_array_equal(grid_of(pictures[:1], 6), pictures[0])
+
+
+def test_render_draws_all_sensors_of_a_hand_with_one_scale_from_a_data_set_or_a_scene(tmp_path, device):
+    scene = taxelsim.SCENES / "gripper_grasp.yaml"
+    taxelsim.generate(scene, tmp_path / "data", device=device, episodes=[1])
+    for source, file in ((tmp_path / "data", "data.gif"), (scene, "scene.gif")):
+        done = run(source, "-o", tmp_path / file, "--episode", 1, "--speed", 8)
+        assert done.returncode == 0, done.stderr
+        assert done.stderr == ""
+    assert (tmp_path / "data.gif").read_bytes() == (tmp_path / "scene.gif").read_bytes()
+    last = read(tmp_path / "data.gif")[0][-1]
+    assert last.shape == (2 * 768, 2 * 900, 3)
+    parts = [taxelsim.Dataset(tmp_path / "data", sensor=name) for name in ("left", "right", "below")]
+    brightest = max(range_of(part, "data/tactile_image") for part in parts)
+    for place, name in (((0, 0), "left"), ((0, 900), "right"), ((768, 0), "below")):
+        common, own = (EpisodePictures(str(tmp_path / "data"), 1, scale, [str(taxelsim.SCENES)], name) for scale in (brightest, 0.0))
+        frame = range(0, len(common.times()), 32)[-1]  # 8 times as fast: every 32nd frame is shown for 1 / 25 s
+        cell = last[place[0] : place[0] + 768, place[1] : place[1] + 900].astype(int)
+        errors = [np.abs(cell - pictures.draw(frame)) for pictures in (common, own)]
+        assert errors[0].mean() < TOLERANCE
+        assert errors[1].sum() > 2 * errors[0].sum() or name == "right"  # which has the largest counts
+    assert (last[768:, 900:] == 255).all()
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
+        (["{tmp}", "-o", "{tmp}/a.mp4", "--episode", "0"], "{tmp}"),
+        (["{data}", "-o", "{tmp}/a.mp4", "--episode", "0", "--sensor", "thumb"], "--sensor: its columns are not grouped by sensor"),
         (["{data}", "-o", "{tmp}/a.mp4", "--episode", "3"], "--episode 3: {data} has episodes 0 to 2"),
         (["{tmp}/none", "-o", "{tmp}/a.gif", "--episode", "0"], "none"),
         (["{data}", "-o", "{tmp}/a.gif", "--episode", "0", "--speed", "0"], "--speed: 0.0 is not allowed"),
@@ -143,7 +180,7 @@ def test_a_video_shows_the_object_where_its_pose_and_features_are_recorded(data,
 def test_render_refuses_in_one_line(data, tmp_path, arguments, message):
     done = run(*(argument.format(data=data, tmp=tmp_path) for argument in arguments))
     assert done.returncode == 2, done.stderr
-    assert message.format(data=data) in done.stderr.splitlines()[-1]
+    assert message.format(data=data, tmp=tmp_path) in done.stderr.splitlines()[-1]
     assert list(tmp_path.iterdir()) == []
 
 

@@ -102,7 +102,7 @@ void addRender(CLI::App& app, Action& action) {
       "Examples:\n  taxelsim render out/ -o out.png --episode 3 --frames 20\n  taxelsim render out/ -o out.webp --episode 3 --speed 0.25\n"
       "A picture shows evenly spaced frames of one episode, or of all episodes. A moving picture shows sensor and object in 3-D, the "
       "tactile "
-      "image, force and edge angle. MP4 and GIF need the Python package: `pip install 'taxelsim[video]'`.");
+      "image, force and edge angle. MP4 and GIF need the Python package, `pip install 'taxelsim[video]'`, and take scene files as well.");
   const auto arguments = std::make_shared<RenderArguments>();
   FrameSelection& selection = arguments->selection;
   command->add_option("directory", selection.directory, "Directory of the data set")->required()->type_name("DIR");
@@ -114,7 +114,9 @@ void addRender(CLI::App& app, Action& action) {
       ->check(silent(CLI::Range(1, kMaxFrames)))
       ->capture_default_str()
       ->type_name("N");
-  command->add_option("--sensor", selection.sensor, "Sensor to draw, where columns are grouped by sensor; otherwise the first")
+  command
+      ->add_option("--sensor", selection.sensor,
+                   "Sensor to draw, where columns are grouped by sensor; otherwise the first, or all as MP4 or GIF")
       ->type_name("NAME");
   command->add_option("--episode", selection.episode, "Draw frames of this episode only; a moving picture needs it")
       ->check(refuseNegative)

@@ -113,7 +113,8 @@ def _episodes(data: Dataset, scene: Scene, numbers: Sequence[int] | None) -> lis
 
 
 @contextmanager
-def _simulated(scene: Scene, numbers: Sequence[int] | None, device: Device | None) -> Iterator[Path]:
+def simulated(scene: Scene, numbers: Sequence[int] | None, device: Device | None) -> Iterator[Path]:
+    """A temporary data set of some episodes of a scene; None: the first ones. Raises what generate() raises."""
     chosen = range(min(DEFAULT_EPISODES, scene.num_episodes)) if numbers is None else numbers
     with tempfile.TemporaryDirectory() as folder:
         generate(scene, folder, episodes=chosen, device=device, batch_size=len(chosen), num_slices=1)
@@ -151,7 +152,7 @@ def open_source(
         return _source(path, isolated, scene, missing, numbers, range)
     scene = load_scene(path)
     warn(size_warnings(scene, set()))  # first, since the simulation may refuse such objects
-    with _simulated(scene, numbers, device) as folder:
+    with simulated(scene, numbers, device) as folder:
         return _source(folder, False, scene, set(), numbers, range)
 
 
