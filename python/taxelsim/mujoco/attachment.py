@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from .._arguments import checked_names
-from .._core import Device, Model, Object, OutputOptions, Proximity, Sensor
+from .._attached import AttachedSensors
+from .._core import Device, Object, OutputOptions, Proximity, Sensor
 from .._log import warn_once
 from ..environment import NO_OUTPUTS
 from ..errors import InputError
@@ -72,7 +73,7 @@ def read_model(
     return model, mounts, {name: sensor for name, (_, sensor) in found.items()}, selected, Device.open() if device is None else device
 
 
-class Attachment:
+class Attachment(AttachedSensors):
     """Sensors on one MjModel. Made by attach()."""
 
     _moves_bodies: ClassVar = False
@@ -89,27 +90,14 @@ class Attachment:
     ) -> None:
         """options: of Simulator."""
         self.model = model
-        self.num_instances = num_instances
-        self.sensors = dict(sensors)
         self.geoms = list(geoms)
         self._mounts = mounts
         self._indices = [geom.index for geom in geoms]
         self._rotations = np.array([geom.rotation for geom in geoms])
         self._slots = {name: Slots(mounts[name].label, sensor, geoms, num_instances) for name, sensor in sensors.items()}
         objects = [Object(geom.shape, geom.name) for geom in geoms]
-        models: list[Model] = []
-        for sensor in sensors.values():  # sensors of one kind share a model
-            if all(sensor != model.sensor for model in models):
-                models.append(Model(device, sensor, objects))
-        self.simulators = {
-            name: Simulator(
-                next(model for model in models if model.sensor == sensor),
-                num_instances,
-                num_slots=self._slots[name].num_slots,
-                **options,
-            )
-            for name, sensor in sensors.items()
-        }
+        num_slots = next(iter(self._slots.values())).num_slots
+        super().__init__(device, sensors, objects, num_instances, {"num_slots": num_slots, **options})
         self._alone: dict[str, Simulator] = {}  # an instance for each slot
         self._is_pressed = False
         self._comparisons = NUM_COMPARISONS
@@ -145,9 +133,7 @@ class Attachment:
             self._press(source, step, instances)
         else:
             self._place()
-        for simulator in self.simulators.values():
-            simulator.step(step, instances)
-        frames = {name: simulator.read() for name, simulator in self.simulators.items()}
+        frames = self._advance(step, instances)
         if forces == "skin" and not self._moves_bodies and self._comparisons > 0:
             self._compare(source, frames)
         return frames
@@ -214,8 +200,3 @@ class Attachment:
     def _poses(self, name: str) -> npt.NDArray[np.float64]:
         """X_SO (N, G, 7) of all geoms, at the state of the last update of the kinematics."""
         return self._kinematics.relative(self._mounts[name], self._indices, self._rotations)
-
-    def reset(self, instances: npt.ArrayLike | None = None, episodes: npt.ArrayLike | None = None, **variation: float) -> None:
-        """Starts an episode on some instances of every sensor, after their simulations were reset; see Simulator.reset()."""
-        for simulator in self.simulators.values():
-            simulator.reset(instances, episodes, **variation)

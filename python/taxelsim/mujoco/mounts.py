@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 import mujoco
 
 from .._core import HalfSpace, Pose, Sensor, load_sensor
+from .._engine_shapes import Shape
 from ..errors import InputError
 from ..patterns.placement import UP, CoverOptions, GridOptions, cover_shape, grid_on_shape, turned
-from .geoms import Shape, find, geom_name, shape_of
+from .geoms import find, geom_name, shape_of
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack

@@ -8,12 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from .._attached import MAX_SLOTS
 from .._core import Sensor
 from ..errors import InputError
 from ..inputs import NO_OBJECT
 from .geoms import Geom
-
-MAX_SLOTS = 8  # of a Simulator
 
 
 def touch_sphere(sensor: Sensor) -> tuple[NDArray[np.float64], float]:
