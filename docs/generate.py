@@ -14,7 +14,7 @@ BUILD = Path(os.environ.get("TAXELSIM_BUILD", ROOT / "build/release"))
 DOXYGEN_XML = BUILD / "docs/xml"
 SECTIONS = "start", "how_to", "reference", "understand", "notes"
 
-PROPER_NAMES = {"ppo": "PPO", "onnx": "ONNX", "mujoco": "MuJoCo"}
+PROPER_NAMES = {"ppo": "PPO", "onnx": "ONNX", "mujoco": "MuJoCo", "newton": "Newton"}
 
 CPP_SECTIONS = (
     "briefdescription detaileddescription innernamespace innerclass user-defined enum typedef func var "

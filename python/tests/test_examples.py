@@ -20,7 +20,11 @@ EXAMPLES, PICTURES = ROOT / "examples", ROOT / "docs/images/gallery"
 NAMES = sorted(file.stem for file in EXAMPLES.glob("*.py"))
 MIN_LINES, MAX_LINES = 20, 60
 MAX_PICTURE_BYTES, PICTURE_WIDTH = 80_000, 1200
-NEEDS = {name: "mujoco" for name in NAMES if name.startswith("mujoco")} | {"evaluate_onnx": "onnxruntime", "clone_servo": "h5py"}
+NEEDS = {name: "mujoco" for name in NAMES if name.startswith("mujoco")} | {
+    "evaluate_onnx": "onnxruntime",
+    "clone_servo": "h5py",
+    "newton_worlds": "newton",
+}
 COMPILED_ONLY = {"gains_with_torch", "train_ppo"}  # the campaign `learn` runs it
 
 # Of each program: arguments after the picture, and a pattern of its output with numbers, each of which lies in a range.
@@ -56,6 +60,7 @@ CLAIMS: dict[str, tuple[tuple[str, ...], str, tuple[tuple[float, float], ...]]] 
     # The least grip force is 0.981 N / (2 * 0.6) = 0.82 N.
     "mujoco_gripper": ((), r"from a grip force of ([\d.]+) N .* skins ([\d.]+) N", ((0.9, 0.9), (0.97, 0.99))),
     "contact_points": ((), r"pressure ([\d.]+) mm.* force ([\d.]+) N", ((0, 1.7), (0, 1e-3))),  # half a taxel
+    "newton_worlds": ((), r"error of the angle ([\d.]+) degrees", ((0, 3),)),
     "other_engine": ((), r"([\d.]+) mm by poses, ([\d.]+) mm by contact points", ((0, 0.3), (0, 1.7))),
 }
 
@@ -77,7 +82,8 @@ def test_runs_and_claims_what_it_prints(name: str, tmp_path: Path) -> None:
     pytest.importorskip(NEEDS.get(name, "matplotlib"))
     arguments, pattern, ranges = CLAIMS[name]
     with_genesis = name == "other_engine" and importlib.util.find_spec("genesis") is not None
-    text = run(name, tmp_path / "picture.png", *arguments, timeout=600 if with_genesis else 120)  # it compiles for minutes at first
+    compiles = with_genesis or name == "newton_worlds"  # for minutes at first
+    text = run(name, tmp_path / "picture.png", *arguments, timeout=600 if compiles else 120)
     found = re.search(pattern, text)
     assert found, text
     for number, (low, high) in zip(map(float, found.groups()), ranges, strict=True):
