@@ -39,7 +39,7 @@ def attach(
     lies on a CUDA device, the taxelsim device must be that GPU, whose memory then holds inputs and frames.
 
     Raises InputError for a sensor that is in no world, a label that selects none or several, a shape that taxelsim does not have or that
-    differs between worlds, more than 8 shapes, both or none of shapes and max_contacts, and a wrong sensor.
+    differs between worlds, more than 8 shapes, both or none of shapes and max_contacts, a model on another GPU, and a wrong sensor.
     """
     if not sensors:
         raise InputError("sensors: at least one is needed, as {body: sensor file}")
@@ -72,6 +72,9 @@ class Attachment(AttachedSensors):
         sizes = {"num_slots": max(len(shapes), 1), "max_contacts": max_contacts, "memory": memory}
         super().__init__(device, sensors, objects, model.world_count, {**sizes, **options})
         self._inputs: dict[str, Any] = {name: simulator.inputs.tensors("warp") for name, simulator in self.simulators.items()}
+        found = next(iter(self._inputs[next(iter(sensors))].as_dict().values())).device
+        if found != model.device:
+            raise InputError(f"model on {model.device} and inputs of taxelsim on {found} found: both must lie on the CPU, or on one GPU")
         with wp.ScopedDevice(model.device):
             self._frames = {label: wp.array(pairs, dtype=wp.int32) for label, pairs in frames.items()}
             self._shapes = wp.array(indices, dtype=wp.int32)

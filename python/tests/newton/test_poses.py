@@ -2,6 +2,7 @@
 
 import importlib
 import sys
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -208,6 +209,21 @@ def test_refused_models(device: taxelsim.Device) -> None:
         sizes.add_world(world(lambda b, body, r=radius: b.add_shape_sphere(body, radius=r, label=BALL)))
     expected = "shape 'ball' of world 1 differs from that of world 0: type, size and mesh must be equal"
     assert message({"palm": WTS}, [BALL], source=sizes.finalize(device="cpu")) == expected
+
+
+def test_a_model_in_other_memory_is_refused(device: taxelsim.Device) -> None:
+    """A model that says that it lies on a GPU, where the taxelsim device is software Vulkan."""
+    model = worlds(world())
+
+    class OnGpu(SimpleNamespace):
+        def __getattr__(self, name: str) -> Any:
+            return getattr(model, name)
+
+    gpu = SimpleNamespace(is_cuda=True)
+    with pytest.raises(
+        taxelsim.InputError, match=r"^model on namespace.* and inputs of taxelsim on cpu found: both must lie on the CPU, or"
+    ):
+        adapter.attach(OnGpu(device=gpu), {"palm": WTS}, [BALL], device=device)
 
 
 @pytest.mark.parametrize(
