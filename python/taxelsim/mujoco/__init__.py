@@ -1,4 +1,6 @@
-"""MuJoCo: tactile arrays at the sites and on the geoms of a model, touched by its geoms. Needs MuJoCo 4: pip install 'taxelsim[mujoco]'.
+"""MuJoCo: tactile arrays at the sites and on the geoms of a model, touched by its geoms: pip install 'taxelsim[mujoco]'.
+
+Needs MuJoCo 3.3 or newer; couple() and batches need MuJoCo 4.
 
 >>> import mujoco, taxelsim.mujoco
 >>> model = mujoco.MjModel.from_xml_path("hand.xml")
@@ -10,9 +12,12 @@
 """
 
 try:
-    import mujoco.batch  # noqa: F401
+    import mujoco
+
+    if tuple(map(int, mujoco.__version__.split(".")[:2])) < (3, 3):
+        raise ImportError(f"MuJoCo {mujoco.__version__} found")
 except ImportError as error:
-    raise ImportError("taxelsim.mujoco needs MuJoCo 4 or newer: pip install 'taxelsim[mujoco]'") from error
+    raise ImportError("taxelsim.mujoco needs MuJoCo 3.3 or newer: pip install 'taxelsim[mujoco]'") from error
 
 from .attachment import Attachment, Sources, attach
 from .coupling import Coupling, couple

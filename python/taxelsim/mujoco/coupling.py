@@ -34,6 +34,7 @@ from .._core import Device, OutputOptions, Sensor
 from ..errors import InputError
 from ..frame import Frame
 from .attachment import Attachment, Sources, read_model
+from .batch import require_batch
 from .collisions import refuse_collisions
 from .contacts import Contacts
 from .engine import Engine, engine_of
@@ -65,8 +66,10 @@ def couple(
     Collisions between the geoms and those on the bodies of the sensors must be off in MuJoCo; all others stay MuJoCo's. At rest the wrench
     is that of the skin at the pose of the object. Integrators Euler, implicit and implicitfast.
 
-    Raises InputError as attach(), and for a sensor of law proximity, collisions that are on, and another integrator.
+    Raises ImportError under MuJoCo 3, and InputError as attach() and for a sensor of law proximity, collisions that are on, and another
+    integrator.
     """
+    require_batch("taxelsim.mujoco.couple()")
     options = {"seed": seed, "outputs": outputs, "image_unit": image_unit, "max_regions": max_regions}
     return Coupling(*read_model(model, sensors, geoms, device), num_instances, options)
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from mujoco.batch import Batch
 
+from .batch import Batch
 from .poses import Array
 
 

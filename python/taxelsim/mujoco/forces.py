@@ -7,14 +7,12 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from mujoco.batch import Batch
 from numpy.typing import NDArray
 
 from .._arrays import rotation_matrices
+from .batch import STATE, Batch
 from .mounts import Mount
 from .poses import Array
-
-_STATE = int(mujoco.mjtState.mjSTATE_INTEGRATION)
 
 
 def forwarded(model: Any, source: Any, count: int | None = None) -> Iterator[tuple[Any, Any]]:
@@ -28,10 +26,10 @@ def forwarded(model: Any, source: Any, count: int | None = None) -> Iterator[tup
             mujoco.mj_forward(of_simulation, data)
             yield of_simulation, data
         return
-    scratch, state = mujoco.MjData(model), np.empty(mujoco.mj_stateSize(model, _STATE))
+    scratch, state = mujoco.MjData(model), np.empty(mujoco.mj_stateSize(model, STATE))
     for data in (list(source) if isinstance(source, Sequence) else [source])[:count]:
-        mujoco.mj_getState(data.model, data, state, _STATE)
-        mujoco.mj_setState(data.model, scratch, state, _STATE)
+        mujoco.mj_getState(data.model, data, state, STATE)
+        mujoco.mj_setState(data.model, scratch, state, STATE)
         mujoco.mj_forward(data.model, scratch)
         yield data.model, scratch
 

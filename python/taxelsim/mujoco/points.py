@@ -7,11 +7,11 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from mujoco.batch import Batch
 from numpy.typing import NDArray
 
 from ..contact_points import ContactPoints, contact_points
 from ..errors import InputError
+from .batch import Batch
 from .geoms import find
 from .poses import Array
 

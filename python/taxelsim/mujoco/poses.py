@@ -8,11 +8,11 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from mujoco.batch import Batch
 from numpy.typing import NDArray
 
-from .._arrays import rotation_matrices
+from .._arrays import product, rotation_matrices
 from ..errors import InputError
+from .batch import STATE, Batch
 from .mounts import Mount
 
 Array = NDArray[np.float64]
@@ -25,19 +25,6 @@ MASS_FIELDS = ["body_ipos", "body_iquat", "body_mass", "body_inertia", "body_sub
 # Fields that may not: the tree and the shapes.
 STRUCTURE_FIELDS = ["body_parentid", "body_jntadr", "jnt_type", "geom_bodyid", "site_bodyid"]
 STRUCTURE_FIELDS += ["geom_type", "geom_size", "geom_dataid", "mesh_vertadr", "mesh_vert", "mesh_face"]
-
-
-def product(p: Array, q: Array) -> Array:
-    """Products of quaternions (..., 4)."""
-    pw, px, py, pz = np.moveaxis(p, -1, 0)
-    qw, qx, qy, qz = np.moveaxis(q, -1, 0)
-    parts = (
-        pw * qw - px * qx - py * qy - pz * qz,
-        pw * qx + px * qw + py * qz - pz * qy,
-        pw * qy - px * qz + py * qw + pz * qx,
-        pw * qz + px * qy - py * qx + pz * qw,
-    )
-    return np.stack(parts, axis=-1)
 
 
 class Kinematics:
@@ -54,7 +41,7 @@ class Kinematics:
         bare = copy.copy(model)
         off = mujoco.mjtDisableBit
         bare.opt.disableflags |= int(off.mjDSBL_CONTACT | off.mjDSBL_CONSTRAINT | off.mjDSBL_SENSOR)
-        bare.opt.enableflags &= ~int(mujoco.mjtEnableBit.mjENBL_SLEEP)
+        bare.opt.enableflags = 0
         self.num_instances = num_instances
         self.batch = Batch(bare, num_instances)
         self.site_positions: Array = self.batch.bind("site_xpos")
@@ -63,8 +50,9 @@ class Kinematics:
         self.geom_positions: Array = self.batch.bind("geom_xpos")
         self.geom_rotations: Array = self.batch.bind("geom_xmat")
         self.geom_quaternions: Array = self.batch.bind("geom_xquat")
-        self._inertia: Array = self.batch.bind("M")  # the lower triangle, by rows
-        self._rows = np.repeat(np.arange(model.nv), model.M_rownnz)
+        if with_masses:
+            self._inertia: Array = self.batch.bind("M")  # the lower triangle, by rows
+            self._rows = np.repeat(np.arange(model.nv), model.M_rownnz)
 
     def update(self, source: Any) -> None:
         """Computes the poses of a Batch, an MjData or a sequence of MjData. Raises InputError if it is of another size or model."""
@@ -92,7 +80,7 @@ class Kinematics:
                 raise InputError(f"{type(data).__name__} is not allowed: MjData, a sequence of MjData, or mujoco.batch.Batch")
             self._check(len(datas), data.model, "MjData")
         for row, data in zip(self.batch.state, datas, strict=True):
-            mujoco.mj_getState(data.model, data, row, int(mujoco.mjtState.mjSTATE_INTEGRATION))
+            mujoco.mj_getState(data.model, data, row, STATE)
 
     def _check(self, count: int, model: Any, kind: str) -> None:
         if count != self.num_instances:

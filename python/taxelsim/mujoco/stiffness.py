@@ -7,12 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .._arrays import product
 from .._core import DeviceType, ElasticLayer, Friction, GridPatch, LuGre, Model, Pose, Proximity, Sensor, Winkler
 from ..environment import NO_OUTPUTS
 from ..errors import InputError
 from ..frame import GroundTruth
 from ..simulator import Simulator
-from .poses import Array, product
+from .poses import Array
 
 PROBE_SHIFTS = (1e-7, 1e-6)  # m, least and most: hundreds of times the rounding of heights; a thousandth of a usual depth
 

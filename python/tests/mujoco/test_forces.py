@@ -5,13 +5,13 @@ import logging
 import mujoco
 import numpy as np
 import pytest
-from mujoco.batch import Batch
 
 import taxelsim
 import taxelsim.mujoco
 from taxelsim import _log
+from taxelsim.mujoco.batch import STATE, Batch
 
-from .models import WTS
+from .models import WTS, mujoco_4
 
 G = 9.81  # m/s^2
 SENSORS = taxelsim.SCENES / "sensors"
@@ -68,7 +68,9 @@ GRIPPER = """<mujoco><option timestep="0.001" integrator="implicitfast" cone="el
 
 
 @pytest.mark.parametrize("sensor", ["wts0614_soft_cover", "fingertip_cylinder"])
-@pytest.mark.parametrize("shape", ['type="box" size=".02 .008 .008"', 'type="cylinder" size=".015 .02" euler="90 0 0"'])
+@pytest.mark.parametrize(
+    "shape", ['type="box" size=".02 .008 .008"', pytest.param('type="cylinder" size=".015 .02" euler="90 0 0"', marks=mujoco_4)]
+)
 def test_pads_of_a_gripper_read_the_force_of_its_motors(device: taxelsim.Device, shape: str, sensor: str) -> None:
     """The weight of the object hangs on MuJoCo's friction, which the pads do not feel."""
     model = mujoco.MjModel.from_xml_string(GRIPPER.format(shape=shape, force=3))
@@ -82,19 +84,23 @@ def test_pads_of_a_gripper_read_the_force_of_its_motors(device: taxelsim.Device,
         assert frame.ground_truth.contact_wrench[0, 2] == pytest.approx(-3, rel=1e-3)
 
 
-def test_batches_and_objects_without_contact(device: taxelsim.Device) -> None:
+@pytest.mark.parametrize("kind", ["data", pytest.param("batch", marks=mujoco_4)])
+def test_several_simulations_and_objects_without_contact(device: taxelsim.Device, kind: str) -> None:
     """An object that is lifted presses on nothing, also where the skin is above the geom that it has left."""
     model, data = resting(0.03, 0.09)
-    batch = Batch(model, 3)
-    for k, row in enumerate(batch.state):
-        moved = mujoco.MjData(model)
+    datas = [mujoco.MjData(model) for _ in range(3)]
+    for k, moved in enumerate(datas):
         moved.qpos[:] = data.qpos
         moved.qvel[:] = 0
-        moved.qpos[2] += (0, 2e-4, 0)[k]
+        moved.qpos[2] += (0, 2.5e-4, 0)[k]  # out of the contact, which is 0.22 mm deep in MuJoCo 3
         moved.qpos[9] += (0, 0, 1e-2)[k]
-        mujoco.mj_getState(model, moved, row, int(mujoco.mjtState.mjSTATE_INTEGRATION))
+    source = datas
+    if kind == "batch":
+        source = Batch(model, 3)
+        for row, moved in zip(source.state, datas, strict=True):
+            mujoco.mj_getState(model, moved, row, STATE)
     tactile = taxelsim.mujoco.attach(model, {"palm": WTS}, ["b0", "b1"], num_instances=3, device=device, outputs=TRUE)
-    forces = tactile.observe(batch, forces="engine")["palm"].ground_truth.tactile_normal_force
+    forces = tactile.observe(source, forces="engine")["palm"].ground_truth.tactile_normal_force
     left, right = forces[..., :7].sum((1, 2)), forces[..., 7:].sum((1, 2))
     # Rigid boxes at rest: the forces of mj_forward() at a state of rest are the weights.
     np.testing.assert_allclose(left, [0.03 * G, 0, 0.03 * G], rtol=2e-3)

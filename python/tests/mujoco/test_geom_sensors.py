@@ -8,7 +8,7 @@ import taxelsim
 import taxelsim.mujoco
 import taxelsim.patterns
 
-from .models import WTS
+from .models import WTS, mujoco_4
 
 FINGERS = ("thumb", "index", "middle", "ring", "little")
 # A hand without sites: five fingers on slides, whose tips are a capsule, a sphere, a box, an ellipsoid and a mesh, and a plate above them.
@@ -81,6 +81,7 @@ def test_a_grid_on_a_turned_box_presses_as_the_sensor_alone(device: taxelsim.Dev
     np.testing.assert_allclose(frame.ground_truth.contact_wrench, expected.ground_truth.contact_wrench, rtol=1e-5, atol=1e-7)
 
 
+@mujoco_4
 def test_a_sensor_of_a_geom_is_that_of_a_site(device: taxelsim.Device) -> None:
     """Two-way coupling on a geom and on a site with the same frame take the same steps."""
     text = """<mujoco><option timestep=".001"/><worldbody>

@@ -6,12 +6,12 @@ import sys
 import mujoco
 import numpy as np
 import pytest
-from mujoco.batch import Batch
 
 import taxelsim
 import taxelsim.mujoco
+from taxelsim.mujoco.batch import STATE, Batch
 
-from .models import WTS, direct, place, scene
+from .models import WTS, direct, mujoco_4, place, scene
 
 N = 5
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)
@@ -31,19 +31,30 @@ def moving(model: mujoco.MjModel) -> list[mujoco.MjData]:
     return datas
 
 
-def test_poses_are_not_a_step_late(device: taxelsim.Device, model: mujoco.MjModel) -> None:
+@mujoco_4
+def test_a_batch_gives_the_frames_of_its_simulations(device: taxelsim.Device, model: mujoco.MjModel) -> None:
     datas = moving(model)
     batch = Batch(model, N)
     for row, data in zip(batch.state, datas, strict=True):
-        mujoco.mj_getState(model, data, row, int(mujoco.mjtState.mjSTATE_INTEGRATION))
+        mujoco.mj_getState(model, data, row, STATE)
     tactile = taxelsim.mujoco.attach(model, {"palm": WTS}, ["ball"], num_instances=N, device=device)
     batch.step()
     for data in datas:
         mujoco.mj_step(model, data)
-    of_batch, late = tactile.observe(batch)["palm"].copy(), datas[0].geom("ball").xpos.copy()
+    of_batch = tactile.observe(batch)["palm"].copy()
     of_data = tactile.observe(datas)["palm"]
+    assert of_data.ground_truth.total_force.min() > 0
     np.testing.assert_array_equal(of_batch.tactile_image, of_data.tactile_image)
     np.testing.assert_array_equal(of_batch.ground_truth.contact_wrench, of_data.ground_truth.contact_wrench)
+
+
+def test_poses_are_not_a_step_late(device: taxelsim.Device, model: mujoco.MjModel) -> None:
+    datas = moving(model)
+    tactile = taxelsim.mujoco.attach(model, {"palm": WTS}, ["ball"], num_instances=N, device=device)
+    for data in datas:
+        mujoco.mj_step(model, data)
+    late = datas[0].geom("ball").xpos.copy()
+    of_data = tactile.observe(datas)["palm"]
     np.testing.assert_array_equal(datas[0].geom("ball").xpos, late)  # observe() only reads
     poses = []
     for data in datas:
@@ -62,11 +73,12 @@ def test_one_mjdata(device: taxelsim.Device, model: mujoco.MjModel) -> None:
     assert tactile.observe(data)["palm"].total_force.shape == (1,)
 
 
+@mujoco_4
 def test_positions_that_differ_between_simulations(device: taxelsim.Device, model: mujoco.MjModel) -> None:
     batch = Batch(model, N)
     data = moving(model)[0]
     for row in batch.state:
-        mujoco.mj_getState(model, data, row, int(mujoco.mjtState.mjSTATE_INTEGRATION))
+        mujoco.mj_getState(model, data, row, STATE)
     tactile = taxelsim.mujoco.attach(model, {"palm": WTS}, ["ball"], num_instances=N, device=device)
     lift = data.site("palm").xmat.reshape(3, 3) @ [0, 0, 1]
     turned = np.empty(3)
@@ -168,7 +180,7 @@ def test_without_mujoco(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in [name for name in sys.modules if name.split(".")[0] == "mujoco" or name.startswith("taxelsim.mujoco")]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "mujoco", None)
-    with pytest.raises(ImportError, match=r"^taxelsim.mujoco needs MuJoCo 4 or newer: pip install 'taxelsim\[mujoco\]'$"):
+    with pytest.raises(ImportError, match=r"^taxelsim.mujoco needs MuJoCo 3.3 or newer: pip install 'taxelsim\[mujoco\]'$"):
         importlib.import_module("taxelsim.mujoco")
 
 
@@ -176,13 +188,19 @@ def test_wrong_sources(device: taxelsim.Device, model: mujoco.MjModel) -> None:
     tactile = taxelsim.mujoco.attach(model, {"palm": WTS}, ["ball"], num_instances=N, device=device)
     with pytest.raises(taxelsim.InputError, match=rf"^MjData: 1 simulations found, {N} attached$"):
         tactile.observe(mujoco.MjData(model))
-    with pytest.raises(taxelsim.InputError, match=rf"^Batch: 3 simulations found, {N} attached$"):
-        tactile.observe(Batch(model, 3))
-    other = many_balls(2)
-    with pytest.raises(taxelsim.InputError, match=r"^Batch of another model: ngeom is 3, 2 in the attached model$"):
-        tactile.observe(Batch(other, N))
+    with pytest.raises(taxelsim.InputError, match=r"^MjData of another model: ngeom is 3, 2 in the attached model$"):
+        tactile.observe([mujoco.MjData(many_balls(2))] * N)
     with pytest.raises(taxelsim.InputError, match=r"^int is not allowed: MjData, a sequence of MjData, or mujoco.batch.Batch$"):
         tactile.observe([1] * N)
+
+
+@mujoco_4
+def test_wrong_batches(device: taxelsim.Device, model: mujoco.MjModel) -> None:
+    tactile = taxelsim.mujoco.attach(model, {"palm": WTS}, ["ball"], num_instances=N, device=device)
+    with pytest.raises(taxelsim.InputError, match=rf"^Batch: 3 simulations found, {N} attached$"):
+        tactile.observe(Batch(model, 3))
+    with pytest.raises(taxelsim.InputError, match=r"^Batch of another model: ngeom is 3, 2 in the attached model$"):
+        tactile.observe(Batch(many_balls(2), N))
     sizes = Batch(model, N)
     sizes.expand("geom_size")
     with pytest.raises(taxelsim.InputError, match=r"^Batch with expanded geom_size"):

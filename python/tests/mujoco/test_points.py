@@ -3,12 +3,12 @@
 import mujoco
 import numpy as np
 import pytest
-from mujoco.batch import Batch
 
 import taxelsim
 import taxelsim.mujoco
+from taxelsim.mujoco.batch import Batch
 
-from .models import WTS
+from .models import WTS, mujoco_4
 
 GRAVITY = 9.81  # m/s^2
 MASSES = (0.05, 0.1, 0.2)  # kg
@@ -26,6 +26,7 @@ def model_of(*bodies: str) -> mujoco.MjModel:
     return mujoco.MjModel.from_xml_string(f'<mujoco><option timestep=".001"/><worldbody>{"".join(bodies)}</worldbody></mujoco>')
 
 
+@mujoco_4
 @pytest.mark.parametrize("bodies", [(PAD, BOX), (BOX, PAD)])
 def test_weights_at_rest(device: taxelsim.Device, bodies: tuple[str, str]) -> None:
     model = model_of(*bodies)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 def make_vec(task: str, num_envs: int = 1, **kwargs: Any) -> DynamicVectorEnv:
     """A vector environment of a task with dynamics. `kwargs`: of DynamicVectorEnv. Raises ImportError without MuJoCo 4."""
     checked_names("task", task, tuple(DYNAMIC_TASKS))
-    import_module("taxelsim.mujoco")  # says what to install
+    import_module("taxelsim.mujoco.batch").require_batch(f"the task {task}")
     module = import_module(f"{__name__}.{DYNAMIC_TASKS[task]}")
     envs: DynamicVectorEnv = getattr(module, f"{task}VectorEnv")(num_envs, **kwargs)
     return envs
