@@ -37,6 +37,7 @@ PYTHON_MODULES = {
     "envs": ("Gymnasium environments", ["taxelsim.envs"]),
     "policies": ("Policies", ["taxelsim.policies"]),
     "mujoco": ("MuJoCo", ["taxelsim.mujoco"]),
+    "mujoco_environments": ("Environments of other packages", ["taxelsim.mujoco.environments"]),
     "patterns": ("Patterns of taxels", ["taxelsim.patterns"]),
     "ray": ("Ray", ["taxelsim.ray"]),
     "recordings": ("Recordings", ["taxelsim.recordings"]),

@@ -25,6 +25,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from ..._core import Sensor
+from ..._differentiation import image_shape
 from ...frame import Frame
 from ...policies.observations import FEATURES, touched
 
@@ -58,8 +59,7 @@ def tactile(name: str, frame: Frame) -> NDArray[Any]:
 
 def space(name: str, sensor: Sensor, num_joints: int, num_goal: int) -> spaces.Box:
     """Space of an observation of one environment."""
-    patch = sensor.patches[0]
-    image = (patch.num_rows, patch.num_cols)
+    image = image_shape(sensor)
     if name == "tactile_image":
         return spaces.Box(0, sensor.readout.saturation, image, np.int32)
     if name.startswith("binary"):
