@@ -26,12 +26,12 @@ from taxelsim import Device
 
 from . import controls, dynamics
 from .page import page
-from .recipe import DYNAMIC_RECIPES, RECIPES, TRAINING_SEED, recipe_of
+from .recipe import CONTROLS, DYNAMIC_RECIPES, RECIPES, TRAINING_SEED, recipe_of
 
 RESULTS = ROOT / "bench/results"
 DYNAMICS = RESULTS / "dynamics.json"  # of bench/python/dynamics_success.py
 TRAINED_DYNAMICS = RESULTS / "dynamics-ppo.json"
-CONTROLS = RESULTS / "dynamics-controls.json"
+CONTROLLED = RESULTS / "dynamics-controls.json"
 PAGE, PICTURE = ROOT / "docs/notes/benchmark.md", ROOT / "docs/images/benchmark_curves.png"
 HERE = Path(__file__).parent
 
@@ -44,10 +44,11 @@ def run(task: str, folder: Path, num_episodes: int, changes: dict[str, Any]) -> 
     folder.mkdir(parents=True, exist_ok=True)
     if not (folder / "clone.json").exists():
         cloning.clone(task, "clone", recipe, folder)
-    for name in ("ppo", "blind"):
+    trained = ("ppo", *CONTROLS, "blind")
+    for name in trained:
         if not (folder / f"{name}.curve.json").exists():
-            training.train(task, name, recipe, folder, blind=name == "blind")
-    files = {name: folder / f"{name}.onnx" for name in ("clone", "ppo", "blind")}
+            training.train(task, name, recipe, folder)
+    files = {name: folder / f"{name}.onnx" for name in ("clone", *trained)}
     result = {
         "task": task,
         "machine": machine(Device.open()),
@@ -55,7 +56,7 @@ def run(task: str, folder: Path, num_episodes: int, changes: dict[str, Any]) -> 
         "commit": commit(),
         "recipe": dataclasses.asdict(recipe),
         "cloning": json.loads((folder / "clone.json").read_text()),
-        "curves": {name: json.loads((folder / f"{name}.curve.json").read_text()) for name in ("ppo", "blind")},
+        "curves": {name: json.loads((folder / f"{name}.curve.json").read_text()) for name in trained},
         "evaluations": evaluation.evaluate_all(task, files, folder, num_episodes),
     }
     write_json(RESULTS / f"learn-{task}.json", result)
@@ -118,7 +119,7 @@ def page_text() -> str:
     notes = {task: file.read_text() for task in found if (file := HERE / "notes" / f"{task}.md").exists()}
     texts = [(HERE / f"notes/{name}.md").read_text() for name in ("dynamics", "dynamics-ppo", "dynamics-controls")]
     scripted = dynamics.section(json.loads(DYNAMICS.read_text()), texts[0], tasks_of(TRAINED_DYNAMICS), texts[1])
-    controlled = controls.section(tasks_of(CONTROLS), texts[2])
+    controlled = controls.section(tasks_of(CONTROLLED), texts[2])
     return page((HERE / "page.md").read_text(), found, notes, "\n\n".join(filter(None, (scripted, controlled))))
 
 
@@ -152,7 +153,7 @@ def main() -> None:
         changes = {key: ast.literal_eval(value) for key, _, value in (text.partition("=") for text in options.set)}
         run(options.task, options.folder, options.episodes, changes)
     if options.command in ("dynamics", "controls"):
-        senses, file = {"dynamics": (dynamics.SCRIPTS, TRAINED_DYNAMICS), "controls": (controls.POLICIES, CONTROLS)}[options.command]
+        senses, file = {"dynamics": (dynamics.SCRIPTS, TRAINED_DYNAMICS), "controls": (controls.POLICIES, CONTROLLED)}[options.command]
         run_dynamics(options.tasks.split(","), list(senses), file, options.folder, options.episodes, options.seed)
     write_page()
 

@@ -66,7 +66,7 @@ def section(results: Mapping[str, Any], notes: str) -> str:
     )
     parts = [
         "### Controls",
-        "PPO with the settings above, one observation of touch each, in its first frame, its present frame and the change, besides "
+        "PPO with the settings above, one observation of touch each, in its first frame, its present frame and the change, in addition to "
         'joints, goal and the number of the step: "contact and shear" is "with touch" above, trained again; "raw image" '
         '`tactile_image`; "centre of pressure" `center_of_pressure`; "binary contact" `binary_contact` of the whole array. '
         f"{one['episodes']:,} episodes per cell, seed {one['seed']}; seed of training {one['training_seed']}. "

@@ -14,7 +14,15 @@ from matplotlib import pyplot as plt
 from .page import POLICIES, successes_of
 from .recipe import TRAINING_CONDITION
 
-COLORS = {"servo": "#444444", "clone": "#1b7f5c", "ppo": "#1f5fbf", "blind": "#c2571a"}
+COLORS = {
+    "servo": "#444444",
+    "clone": "#1b7f5c",
+    "ppo": "#1f5fbf",
+    "image": "#7a4fbf",
+    "center": "#bf9a1f",
+    "binary": "#999999",
+    "blind": "#c2571a",
+}
 
 
 def draw(results: Mapping[str, Mapping[str, Any]], file: Path) -> None:

@@ -27,19 +27,15 @@ from taxelsim.envs.dynamics.evaluation import evaluate
 from taxelsim.envs.dynamics.vector_env import DynamicVectorEnv
 from taxelsim.envs.sb3 import StableBaselinesVecEnv
 
-from .recipe import CONDITIONS, NUM_THREADS, TRAINING_CONDITION, TRAINING_SEED, DynamicRecipe
+from .recipe import CONDITIONS, CONTROLS, NUM_THREADS, TRAINING_CONDITION, TRAINING_SEED, DynamicRecipe
 
 EVALUATION_SEED = 1  # that of the scripts, in bench/python/dynamics_success.py
 LEAST_FORCE = 0.2  # N, of the start, by which later forces are divided
 LIMIT = 5.0  # of an input of the network, in standard deviations
 
 
-CONTROLS = {"image": "tactile_image", "center": "center_of_pressure", "binary": "binary_contact"}
-"""Observation of touch of a control, by its name. All other policies get contact and shear, or parts of them."""
-
-
 def observations_of(sense: str) -> tuple[str, ...]:
-    """Observations of a policy."""
+    """Observations of a policy. Those that are no control get contact and shear, or parts of them."""
     return (*((CONTROLS[sense],) if sense in CONTROLS else ("contact", "shear")), "proprioception", "goal")
 
 

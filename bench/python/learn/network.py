@@ -43,11 +43,11 @@ def _frames(name: str) -> Sequence[int]:
 
 
 class PpoInputs(nn.Module):
-    """Observations (N, HISTORY x all values), joined in the order of PPO_OBSERVATIONS, as they are; blind: the tactile ones are 0."""
+    """Observations (N, HISTORY x all values), joined in the order of `names`, as they are; blind: the tactile ones are 0."""
 
-    def __init__(self, sizes: Mapping[str, int], blind: bool = False) -> None:
+    def __init__(self, sizes: Mapping[str, int], names: Sequence[str] = PPO_OBSERVATIONS, blind: bool = False) -> None:
         super().__init__()
-        seen = [np.full(HISTORY * sizes[name], not (blind and name in TACTILE)) for name in PPO_OBSERVATIONS]
+        seen = [np.full(HISTORY * sizes[name], not (blind and name in TACTILE)) for name in names]
         self.register_buffer("seen", torch.as_tensor(np.concatenate(seen), dtype=torch.float32))
         self.num_observed = self.num_inputs = len(self.seen)
 

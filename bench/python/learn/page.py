@@ -9,9 +9,17 @@ import numpy as np
 
 from taxelsim.policies import Comparison, compare, wilson_interval
 
-from .recipe import CONDITIONS, EVALUATION_SEED, HISTORY, TRAINING_CONDITION
+from .recipe import CONDITIONS, CONTROLS, EVALUATION_SEED, HISTORY, TRAINING_CONDITION
 
-POLICIES = {"servo": "scripted servo", "clone": "behaviour cloning", "ppo": "PPO", "blind": "blind PPO"}
+POLICIES = {
+    "servo": "scripted servo",
+    "clone": "behaviour cloning",
+    "ppo": "PPO",
+    "image": "PPO, raw image",
+    "center": "PPO, centre of pressure",
+    "binary": "PPO, binary contact",
+    "blind": "blind PPO",
+}
 LEARNED = ("clone", "ppo")
 UNITS = {"edge_angle": ("deg", 180 / np.pi), "total_force": ("N", 1.0), "center": ("mm", 1e3), "contour": ("mm", 1e3)}
 
@@ -59,6 +67,7 @@ def differences(evaluations: Evaluations) -> str:
     names = evaluations[CONDITIONS[0]]
     pairs = [(name, "servo") for name in POLICIES if name in names and name != "servo"]
     pairs += [(name, "blind") for name in LEARNED if name in names and "blind" in names]
+    pairs += [("ppo", name) for name in CONTROLS if name in names]
     rows = [
         [
             f"{POLICIES[name]} - {POLICIES[control]}",

@@ -10,6 +10,8 @@ from taxelsim.tasks import TASKS
 
 OBSERVATIONS = ("features", "tactile_image", "start_contact", "proprioception")  # of the clone
 PPO_OBSERVATIONS = ("features", "start_contact", "proprioception")  # as in examples/train_ppo.py
+CONTROLS = {"image": "tactile_image", "center": "center_of_pressure", "binary": "binary_contact"}
+"""Observation of touch of a control, by the name of its policy. It takes the place of all others, but for `start_contact`."""
 TACTILE = ("features", "tactile_image", "start_contact")  # what a blind policy does not see
 HISTORY = 4  # frames, 10 ms apart
 
@@ -111,9 +113,13 @@ def recipe_of(task: str, **changes: Any) -> Recipe:
     return replace(RECIPES[task], **changes)
 
 
-def ppo_settings(task: str) -> dict[str, Any]:
-    """Arguments that TactileVectorEnv and taxelsim.policies.Policy share. Action 1 is the limit of the scene's servo."""
-    return {"observations": PPO_OBSERVATIONS, "actions": TASKS[task].actions, "history": HISTORY, "normalized": True}
+def ppo_settings(task: str, name: str = "ppo") -> dict[str, Any]:
+    """Arguments that TactileVectorEnv and taxelsim.policies.Policy share. Action 1 is the limit of the scene's servo.
+
+    name: of the policy. Those of CONTROLS see that observation instead of the features.
+    """
+    observations = tuple(CONTROLS.get(name, seen) if seen == "features" else seen for seen in PPO_OBSERVATIONS)
+    return {"observations": observations, "actions": TASKS[task].actions, "history": HISTORY, "normalized": True}
 
 
 def clone_settings(task: str, recipe: Recipe) -> dict[str, Any]:

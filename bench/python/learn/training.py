@@ -1,10 +1,11 @@
-"""PPO of Stable-Baselines3 from random weights, of a policy that feels and of a blind one."""
+"""PPO of Stable-Baselines3 from random weights: a policy that feels, controls with one observation of touch, and a blind one."""
 
 from __future__ import annotations
 
 import json
 import math
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -22,20 +23,20 @@ from taxelsim.envs.sb3 import StableBaselinesVecEnv
 from taxelsim.tasks import TASKS
 
 from .network import Actor, PpoInputs, as_policy, joined, write_onnx
-from .recipe import HISTORY, NUM_THREADS, PPO_OBSERVATIONS, TRAINING_CONDITION, TRAINING_SEED, VALIDATION_SEED, Recipe, ppo_settings
+from .recipe import HISTORY, NUM_THREADS, TRAINING_CONDITION, TRAINING_SEED, VALIDATION_SEED, Recipe, ppo_settings
 
 
 class Extractor(BaseFeaturesExtractor):
     """The inputs of the network, for Stable-Baselines3."""
 
-    def __init__(self, space: spaces.Dict, blind: bool) -> None:
+    def __init__(self, space: spaces.Dict, names: Sequence[str], blind: bool) -> None:
         sizes = {name: int(torch.Size(box.shape).numel()) // HISTORY for name, box in space.items()}
-        inputs = PpoInputs(sizes, blind)
+        inputs = PpoInputs(sizes, names, blind)
         super().__init__(space, inputs.num_inputs)
-        self.inputs = inputs
+        self.names, self.inputs = names, inputs
 
     def forward(self, observation: dict[str, torch.Tensor]) -> torch.Tensor:
-        inputs: torch.Tensor = self.inputs(joined(observation, PPO_OBSERVATIONS))
+        inputs: torch.Tensor = self.inputs(joined(observation, self.names))
         return inputs
 
 
@@ -51,7 +52,7 @@ class Curve(BaseCallback):
     def __init__(self, task: str, name: str, recipe: Recipe) -> None:
         super().__init__()
         self.points: list[dict[str, float]] = []
-        self._settings, self._name, self._recipe = ppo_settings(task), name, recipe
+        self._settings, self._name, self._recipe = ppo_settings(task, name), name, recipe
         self._scene = taxelsim.load_scene(
             taxelsim.SCENES / TASKS[task].scene,
             num_episodes=recipe.num_validations,
@@ -84,10 +85,10 @@ class Curve(BaseCallback):
         print(f"{self._name}: {json.dumps(point)} std {self.model.policy.log_std.exp().tolist()}", flush=True)
 
 
-def train(task: str, name: str, recipe: Recipe, folder: Path, blind: bool) -> None:
+def train(task: str, name: str, recipe: Recipe, folder: Path) -> None:
     """Trains a policy; writes NAME.onnx, and NAME.curve.json with the points of its learning curve."""
     torch.set_num_threads(NUM_THREADS)
-    settings = ppo_settings(task)
+    settings = ppo_settings(task, name)
     scene = taxelsim.load_scene(taxelsim.SCENES / TASKS[task].scene, seed=TRAINING_SEED, condition=TRAINING_CONDITION)
     envs = gymnasium.make_vec(
         f"taxelsim/{task}-v0",
@@ -105,7 +106,7 @@ def train(task: str, name: str, recipe: Recipe, folder: Path, blind: bool) -> No
             "activation_fn": nn.Tanh,
             "log_std_init": math.log(recipe.deviation),
             "features_extractor_class": Extractor,
-            "features_extractor_kwargs": {"blind": blind},
+            "features_extractor_kwargs": {"names": settings["observations"], "blind": name == "blind"},
         },
         **recipe.arguments(),
     )
