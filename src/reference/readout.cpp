@@ -37,7 +37,7 @@ double analogueOutput(const Readout& readout, double force, double gain, double 
   } else if (x < 0) {
     value = readout.curve[0] * x;
   } else {
-    const double held = std::min(x, curveTop(readout.curve));
+    const double held = std::min(x, curveTop(readout.curve, withoutLimit(readout.saturation / readout.output_scale, readout.curve_limit)));
     double power = held;
     for (const double coefficient : readout.curve) {
       value += coefficient * power;

@@ -79,13 +79,15 @@ double rootBound(const Polynomial& p) {
 
 }  // namespace
 
-double curveTop(std::span<const double> curve) {
-  const Polynomial slope = derivative(polynomialOf(curve));
+double curveTop(std::span<const double> curve, double value) {
+  const Polynomial p = polynomialOf(curve), slope = derivative(p);
   if (slope.size() > 1) {
     const std::vector<double> levels = signChanges(slope, 0, rootBound(slope));
     for (std::size_t k = 0; k < levels.size(); ++k) {
       const double next = k + 1 < levels.size() ? levels[k + 1] : 2 * levels[k];
-      if (evaluate(slope, (levels[k] + next) / 2) < 0) return levels[k];  // not only level there
+      if (evaluate(slope, (levels[k] + next) / 2) >= 0) continue;  // only level there
+      if (evaluate(p, levels[k]) >= value) return levels[k];
+      break;
     }
   }
   return std::numeric_limits<double>::infinity();

@@ -7,8 +7,8 @@
 
 namespace taxelsim {
 
-// The x > 0 of the first maximum of the polynomial, which reads as its maximum beyond; infinite if it rises without end.
-double curveTop(std::span<const double> curve);
+// The x > 0 of the first maximum of a polynomial that has reached `value` there, and reads as its maximum beyond; infinite otherwise.
+double curveTop(std::span<const double> curve, double value);
 
 // True when the curve rises strictly from 0 up to `max`, or to where it first reaches `value`, whichever comes first. max > 0, finite.
 bool curveRises(std::span<const double> curve, double max, double value);

@@ -86,10 +86,11 @@ TEST(NominalForce, RisesWithTheCounts) {
 }
 
 TEST(CurveTop, IsTheFirstMaximum) {
-  EXPECT_DOUBLE_EQ(curveTop(std::vector<double>{3000, -1000}), 1.5);
-  EXPECT_DOUBLE_EQ(curveTop(std::vector<double>{9, -6, 1}), 1) << "not where it rises again";
-  EXPECT_EQ(curveTop(std::vector<double>{3, -3, 1}), std::numeric_limits<double>::infinity()) << "level at one point only";
-  EXPECT_EQ(curveTop(std::vector<double>{2400}), std::numeric_limits<double>::infinity());
+  EXPECT_DOUBLE_EQ(curveTop(std::vector<double>{3000, -1000}, 2000), 1.5);
+  EXPECT_EQ(curveTop(std::vector<double>{3000, -1000}, 2300), std::numeric_limits<double>::infinity()) << "below saturation";
+  EXPECT_DOUBLE_EQ(curveTop(std::vector<double>{9, -6, 1}, 4), 1) << "not where it rises again";
+  EXPECT_EQ(curveTop(std::vector<double>{3, -3, 1}, 1), std::numeric_limits<double>::infinity()) << "level at one point only";
+  EXPECT_EQ(curveTop(std::vector<double>{2400}, 1), std::numeric_limits<double>::infinity());
 }
 
 TEST(CurveRises, DetectsFallingCurves) {

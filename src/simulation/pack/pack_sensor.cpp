@@ -126,7 +126,8 @@ void packCurve(const Readout& readout, layout::SensorRecord& record) {
   for (std::size_t m = 0; m < readout.curve.size(); ++m) {
     (m < 4 ? record.curve0[static_cast<int>(m)] : record.curve1.x) = static_cast<float>(readout.curve[m]);
   }
-  record.curve1.y = static_cast<float>(std::min<double>(curveTop(readout.curve), std::numeric_limits<float>::max()));
+  const double most = withoutLimit(readout.saturation / readout.output_scale, readout.curve_limit);
+  record.curve1.y = static_cast<float>(std::min<double>(curveTop(readout.curve, most), std::numeric_limits<float>::max()));
   CurvePoint begin;
   for (std::size_t k = 0; k < readout.curve_points.size(); ++k) {
     const CurvePoint& end = readout.curve_points[k];
