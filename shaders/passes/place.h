@@ -15,9 +15,9 @@ CONSTANT(22, float, LOWEST)
 CONSTANT(23, float, CLEARANCE)
 CONSTANT(24, float, FIRST_STEP)
 CONSTANT(25, uint, CONTACTS)           // capacity for contact points of an instance, which then takes no objects; 0
-CONSTANT(26, float, LENGTH_TOLERANCE)  // of quaternions: kQuaternionTolerance
-CONSTANT(27, float, MOST_COORDINATE)   // of contact points, m: kMaxContactCoordinate
-CONSTANT(28, float, MOST_FORCE)        // of contact points, N: kMaxContactForce
+CONSTANT(26, float, LENGTH_TOLERANCE)  // kQuaternionTolerance limits the length of quaternions
+CONSTANT(27, float, MOST_COORDINATE)   // m, kMaxContactCoordinate limits contact points
+CONSTANT(28, float, MOST_FORCE)        // N, kMaxContactForce limits the force of a contact point
 
 BUFFER(0, readwrite, Instances)
 UNIFORM(1, Step)
