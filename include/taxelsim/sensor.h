@@ -271,7 +271,7 @@ struct CurvePoint {
 /// F follows the spread force over time: hysteresis, then creep, low-pass and delay. A reset leaves the sensor as if it had been unloaded
 /// for long. Time advances at every step, with the spread force constant within the step.
 struct Readout {
-  std::vector<double> curve{1};  ///< counts / N^(m+1), 1 to kMaxCurveDegree terms; rising over the range used; once saturated, for ever.
+  std::vector<double> curve{1};  ///< counts / N^(m+1), 1 to kMaxCurveDegree terms; rises over the range used, and stays saturated beyond.
   /// Piecewise linear curve from (0, 0) through up to kMaxCurvePoints points with positive, strictly increasing coordinates. The first
   /// segment continues below 0 and the last one beyond the last point. If not empty, `curve` and `curve_limit` must be the defaults.
   std::vector<CurvePoint> curve_points{};
