@@ -18,7 +18,7 @@ vec4 curvePiece(float value, int axis) {
   return piece;
 }
 
-// Counts before limit and output scale, for x = gain F - trigger; linear below 0, constant beyond the first maximum of a polynomial.
+// Counts before limit and output scale, for x = gain F - trigger; linear below 0. A saturated polynomial stays at its first maximum.
 float curveAt(float x) {
   if (CURVE_PIECES > 0) {
     vec4 piece = curvePiece(x, 0);

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kCreepsSlowly = 3;       // s after contact
 constexpr std::size_t kFramesPerLag = 4;  // frames of a series for each frame of its longest lag
-constexpr std::size_t kLeastFrames = 12;  // a series needs
+constexpr std::size_t kLeastFrames = 12;  // a shorter series is left out
 
 double meanOfSecondDifferences(const std::vector<double>& series, std::size_t lag) {
   double sum = 0;
